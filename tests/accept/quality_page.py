@@ -9,6 +9,7 @@ import sys
 
 from acceptance import SKIP, check, main, need_gdal, need_sample, run
 from browser import Browser, missing_programs
+from page_design import design_holds, fits_width
 
 gdal = need_gdal()
 COLOR_OF = """const image = document.querySelector(arguments[0]); const canvas = document.createElement('canvas'); canvas.width = image.naturalWidth;
@@ -74,8 +75,8 @@ def test(pilotage, source, work, rest):
             page.full_screenshot(pictures / f"quality_{scheme}.png")
         page.prefer("light")
         page.resize(390, 844)
-        width = page.run("return document.documentElement.scrollWidth")
-        check(width == 390, f"at 390 px the page is {width} px wide")
+        fits_width(page, "quality.html on a phone")
+        design_holds(page, "quality.html on a phone")
         page.full_screenshot(pictures / "quality_phone.png")
         said = page.console()
         check(not said, f"the console has: {said}")

@@ -72,7 +72,7 @@ def test(_, source, work, rest):
     with Browser() as page:
         page.open(work / "report.html")
         page.run(axe + "\nwindow.axe = axe;")
-        page.run("document.querySelector('details').open = true; document.getElementById('tile-next').click()")
+        page.run("document.querySelectorAll('details').forEach((node) => { node.open = true; }); document.getElementById('tile-next').click()")
         page.run(REVEAL)
         for theme in ("light", "dark"):
             choose(page, theme)

@@ -11,6 +11,7 @@ import sys
 
 from acceptance import SKIP, check, main, run
 from browser import Browser, missing_programs
+from page_design import fits_width
 
 if missing_programs():
     print(f"skipped: {missing_programs()} not installed: apt-get install chromium chromium-driver")
@@ -285,6 +286,8 @@ def keyboard_reaches_everything(page, report):
         focused = page.run(FOCUSED)
         seen.append(focused["id"])
         check(focused["outline"] >= 2 and focused["style"] != "none", f"the focus on {focused['id']} cannot be seen")
+        if focused["id"] == "more":
+            page.press("Enter")
         if focused["id"] == "along":
             break
     order = [name for name in seen if name in ("theme", "map", "measure", "opacity", "threshold", "show-imagery",
@@ -338,8 +341,7 @@ def fits_small_screens(page):
     page.run("window.scrollTo(0, 0)")
     for name, width, height in (("phone", 390, 844), ("upright tablet", 768, 1024)):
         page.resize(width, height)
-        wide = page.run("return [document.documentElement.scrollWidth, window.innerWidth]")
-        check(wide[0] <= wide[1], f"{name}: the page is {wide[0]} px wide, the window {wide[1]}")
+        fits_width(page, name)
         top = page.run("return document.getElementById('map').getBoundingClientRect().top + window.scrollY")
         check(top < 0.75 * height, f"{name}: the map begins at {top} px of {height}")
         aside = page.run(HIDDEN_TO_THE_SIDE)
@@ -359,8 +361,7 @@ def looks(page, folder):
     page.run("document.activeElement.blur(); window.scrollTo(0, 0)")
     for name, width, height in (("wide", 1920, 1080), ("desktop", 1280, 900), ("tablet", 768, 1024), ("phone", 390, 844)):
         page.resize(width, height)
-        wide = page.run("return [document.documentElement.scrollWidth, window.innerWidth]")
-        check(wide[0] <= wide[1], f"{name}: the page is {wide[0]} px wide, the window {wide[1]}")
+        fits_width(page, name)
         for theme in ("light", "dark", "sun"):
             page.run("""const theme = document.getElementById('theme'); theme.value = arguments[0];
               theme.dispatchEvent(new Event('change'))""", theme)

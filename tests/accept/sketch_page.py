@@ -11,6 +11,7 @@ import zipfile
 
 from acceptance import SKIP, check, main, need_sample, run
 from browser import Browser, missing_programs
+from page_design import design_holds, fits_width
 
 if missing_programs():
     print(f"skipped: {missing_programs()} not installed: apt-get install chromium chromium-driver")
@@ -301,10 +302,11 @@ def begins_on_one_screen(page, path, pictures):
     """On a phone: headline and map on the first screen, the page at most six screens long until something is unfolded, nothing lost on paper."""
     page.resize(390, 844)
     page.open(path)
-    bottom, height, width = page.run("""return [document.getElementById('map').getBoundingClientRect().bottom, document.documentElement.scrollHeight,
-      document.documentElement.scrollWidth]""")
-    check(bottom <= 844 and height <= 6 * 844 and width == 390, f"{path.name}: the map ends at {bottom} px, the page is {width} × {height} px")
+    bottom, height = page.run("return [document.getElementById('map').getBoundingClientRect().bottom, document.documentElement.scrollHeight]")
+    check(bottom <= 844 and height <= 6 * 844, f"{path.name}: the map ends at {bottom} px, the page at {height} px")
+    fits_width(page, f"{path.name} on a phone")
     page.full_screenshot(pictures / f"{path.stem}_phone_folded.png")
+    design_holds(page, f"{path.name} on a phone")
     shown = """return [...document.querySelectorAll('main > section')].filter((section) => section.offsetParent && section.querySelector('.fold'))
       .map((section) => [section.querySelector('h2').textContent.trim(), section.querySelector('.fold').getAttribute('aria-expanded'), section.offsetHeight])"""
     folded = {name: height for name, expanded, height in page.run(shown) if expanded == "false"}
@@ -317,6 +319,9 @@ def begins_on_one_screen(page, path, pictures):
       [...section.children].every((child) => child.matches('h2') || !child.offsetParent)).map((section) => section.textContent.trim().slice(0, 30))""")
     check(not hidden, f"{path.name}: folded on paper: {hidden}")
     page.devtools("Emulation.setEmulatedMedia", media="")
+    page.resize(1440, 900)
+    page.open(path)
+    design_holds(page, f"{path.name} on a desktop")
     page.resize(1400, 1000)
 
 
@@ -347,8 +352,7 @@ def test(pilotage, source, work, rest):
             apart = agrees_with_prepare(page, pilotage, sketches, draws, number)
             print(f"{survey.name}: P differs by {sum(apart) / len(apart):.4f} in the mean, {max(apart):.4f} at most")
             page.resize(390, 844)
-            width = page.run("return document.documentElement.scrollWidth")
-            check(width == 390, f"at 390 px the page is {width} px wide")
+            fits_width(page, "a sketch on a phone")
             page.full_screenshot(pictures / "sketch_phone.png")
             page.resize(1400, 1000)
         if not rest[2:]:

@@ -22,6 +22,7 @@ namespace pilotage {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Adapter = valijson::adapters::NlohmannJsonAdapter;
 
 ComparisonSource source() {
@@ -141,6 +142,52 @@ TEST(ComparisonFiles, AllOrNothing) {
   EXPECT_EQ(entries(), 1);
   write_comparison(folder / "x.md", testing::sample_comparison(), source(), true);
   EXPECT_EQ(entries(), 5);
+}
+
+TEST(ComparisonFiles, MarkdownHoldsTheOrdersBesideThePapers) {
+  // SURF is quickest, because it finds a tenth of the features, and BRIEF has more right than SIFT in all frames.
+  Comparison comparison;
+  comparison.methods = {DescriptorMethod::kSurf, DescriptorMethod::kSift, DescriptorMethod::kBrief512};
+  for (int i = 0; i < 12; ++i) {
+    FrameComparison frame{std::to_string(i) + ".jpg", "", true, std::vector<MethodOutcome>(3)};
+    const auto set = [&](std::size_t index, int features, double detect_ms, double match_ms, int best_agreeing) {
+      MethodOutcome& outcome = frame.methods[index];
+      outcome.frame_features = features;
+      outcome.detect_ms = detect_ms;
+      outcome.match_ms = match_ms;
+      outcome.best = 10;
+      outcome.best_agreeing = best_agreeing;
+    };
+    set(0, 100, 10, 1, i == 0 ? 2 : i < 6 ? 3 : 5);
+    set(1, 1000, 200, 100, 2);
+    set(2, 1000, 5, 90, 4);
+    comparison.frames.push_back(frame);
+  }
+  const std::string page = comparison_markdown(comparison, source(), {});
+  EXPECT_THAT(page, HasSubstr("\n| SURF | 1553.9 | 11.0 | 100.0 | 100 | 100.0 % (69.2 … 100.0) | 39.2 % |\n"));
+  EXPECT_THAT(page, HasSubstr("The paper: BRIEF, SURF, SIFT. Here: SURF, BRIEF-512, SIFT: not the paper's order."));
+  EXPECT_THAT(page, HasSubstr("found and described: BRIEF-512, SURF, SIFT, which is the paper's order. SURF finds the "
+                              "fewest features, 100 of at most 1500"));
+  EXPECT_THAT(page, HasSubstr("BRIEF-512 before SIFT: more right in 12 of the 12 frame(s) where they differ (100.0 % "
+                              "(73.5 … 100.0))."));
+  EXPECT_THAT(page, HasSubstr("BRIEF-512 before SURF: more right in 6 of the 12 frame(s)"));
+  EXPECT_THAT(page, HasSubstr("which chance explains, too"));
+  EXPECT_THAT(page, HasSubstr("The frames lie north up here"));
+
+  comparison.methods = {DescriptorMethod::kBrief128, DescriptorMethod::kSurf, DescriptorMethod::kOrb};
+  for (FrameComparison& frame : comparison.frames) {
+    std::swap(frame.methods[0], frame.methods[2]);
+    frame.methods[0].best_agreeing = 1;
+    frame.methods[1] = frame.methods[0];
+    frame.methods[1].detect_ms = 50;
+    frame.methods[1].best_agreeing = 5;
+  }
+  const std::string same = comparison_markdown(comparison, source(), {});
+  EXPECT_THAT(same, HasSubstr("Here: BRIEF-128, SURF: the paper's order."));
+  EXPECT_THAT(same, HasSubstr("Here: SURF, BRIEF-128: nothing the other way round."));
+
+  // One of the paper's methods alone has no order.
+  EXPECT_THAT(comparison_markdown(testing::sample_comparison(), source(), {}), Not(HasSubstr("Table I")));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ set(MOST_MODULES 4)
 # copies measures from one place to another has no business here.
 set(judges autopilot_sheet reasons matchability_model read_evaluation select_tiles tile_class quality report report_html report_layers
            strip_chart report_json compare_reports compare_reports_files selection selection_file ground_layers square_kilometres run_survey
-           line_finder reroute_files what_if tile_chances evaluation predict_correct_fixes simulated_mission envelope predicted_tiles
+           line_finder reroute_page what_if tile_chances evaluation predict_correct_fixes simulated_mission envelope predicted_tiles
            level_at_age map_ageing)
 # Modules in which the word is something else: a surface that is no tile's, a footprint's width, a frame's features.
 set(others_peak judge_by_ncc score_second_epoch)

@@ -91,16 +91,18 @@ void judge_fix(const ComparedPair& pair, const SimilarityFit& fit, const Compare
 struct MethodRun {
   MethodOutcome outcome;
   std::vector<JudgedMatch> best;
+  std::vector<Eigen::Vector2d> frame_px;  ///< The features.
+  std::vector<Eigen::Vector2d> reference_px;
 };
 
 MethodRun run_method(DescriptorMethod method, const ComparedPair& pair, const CompareOptions& options,
                      std::uint64_t seed) {
   MethodRun run;
   MethodOutcome& outcome = run.outcome;
-  const DescribedImage frame = describe_image(method, pair.frame, pair.frame_allowed, options.max_features);
+  DescribedImage frame = describe_image(method, pair.frame, pair.frame_allowed, options.max_features);
   outcome.detect_ms = frame.detect_ms;
   outcome.describe_ms = frame.describe_ms;
-  const DescribedImage reference =
+  DescribedImage reference =
       describe_image(method, pair.reference, pair.reference_allowed, reference_features(pair, options.max_features));
   outcome.reference_ms = reference.detect_ms + reference.describe_ms;
   outcome.frame_features = static_cast<int>(frame.points_px.size());
@@ -121,6 +123,8 @@ MethodRun run_method(DescriptorMethod method, const ComparedPair& pair, const Co
   }
   judge_fix(pair, fit_similarity(frame, reference, matches, {options.ratio, options.ransac_threshold_px}, seed),
             options, outcome);
+  run.frame_px = std::move(frame.points_px);
+  run.reference_px = std::move(reference.points_px);
   return run;
 }
 
@@ -129,7 +133,8 @@ void draw_pictures(const ComparedPair& pair, const std::vector<MethodRun>& runs,
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const DescriptorMethod method = comparison.methods[i];
     comparison.pictures.push_back(
-        {method, draw_matches(descriptor_method_title(method), pair.frame, pair.reference, runs[i].best, tolerance_m)});
+        {method, draw_matches(descriptor_method_title(method), {pair.frame, runs[i].frame_px},
+                              {pair.reference, runs[i].reference_px}, runs[i].best, tolerance_m)});
   }
 }
 

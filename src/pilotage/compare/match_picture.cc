@@ -20,6 +20,7 @@ constexpr int kTitlePx = 60;
 constexpr double kDashPx = 9;
 const cv::Scalar kBlue(178, 114, 0);
 const cv::Scalar kOrange(0, 94, 213);
+const cv::Scalar kYellow(66, 228, 240);
 const cv::Scalar kWhite(255, 255, 255);
 const cv::Scalar kBlack(0, 0, 0);
 
@@ -38,12 +39,19 @@ cv::Size scaled_size(const cv::Mat& image, double scale) {
           std::max(1, static_cast<int>(std::lround(image.rows * scale)))};
 }
 
-void place(const cv::Mat& gray, const Panel& panel, cv::Mat& picture) {
+// Two pixels of the picture: thousands of them leave the ground to be seen.
+void dot(cv::Mat& picture, cv::Point2d at) {
+  const cv::Rect pixels(static_cast<int>(std::floor(at.x)), static_cast<int>(std::floor(at.y)), 2, 2);
+  picture(pixels & cv::Rect({0, 0}, picture.size())).setTo(kYellow);
+}
+
+void place(const FeaturedImage& image, const Panel& panel, cv::Mat& picture) {
   cv::Mat scaled;
-  const cv::Size size = scaled_size(gray, panel.scale);
-  cv::resize(gray, scaled, size, 0, 0, panel.scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  const cv::Size size = scaled_size(image.gray, panel.scale);
+  cv::resize(image.gray, scaled, size, 0, 0, panel.scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
   cv::cvtColor(scaled, scaled, cv::COLOR_GRAY2BGR);
   scaled.copyTo(picture(cv::Rect(panel.corner, size)));
+  for (const Eigen::Vector2d& feature : image.features_px) dot(picture, panel.at(feature));
 }
 
 // Each stroke has a white border, so that it shows on any ground.
@@ -72,7 +80,8 @@ void draw_end(cv::Mat& picture, cv::Point2d at, bool agrees) {
   }
 }
 
-void write_legend(cv::Mat& picture, const std::string& title, double tolerance_m) {
+void write_legend(cv::Mat& picture, const std::string& title, double tolerance_m, std::size_t frame_features,
+                  std::size_t reference_features) {
   cv::putText(picture, title, {8, 22}, cv::FONT_HERSHEY_SIMPLEX, 0.6, kBlack, 1, cv::LINE_AA);
   const double y = 44;
   draw_line(picture, {8, y}, {68, y}, true);
@@ -80,24 +89,29 @@ void write_legend(cv::Mat& picture, const std::string& title, double tolerance_m
               0.45, kBlack, 1, cv::LINE_AA);
   draw_line(picture, {308, y}, {368, y}, false);
   cv::putText(picture, "not", {378, 49}, cv::FONT_HERSHEY_SIMPLEX, 0.45, kBlack, 1, cv::LINE_AA);
+  cv::rectangle(picture, cv::Rect(426, 40, 8, 8), kBlack, 1);
+  cv::rectangle(picture, cv::Rect(427, 41, 6, 6), kYellow, cv::FILLED);
+  cv::putText(picture, "features: " + std::to_string(frame_features) + " and " + std::to_string(reference_features),
+              {442, 49}, cv::FONT_HERSHEY_SIMPLEX, 0.45, kBlack, 1, cv::LINE_AA);
 }
 
 }  // namespace
 
-cv::Mat draw_matches(std::string_view title, const cv::Mat& frame, const cv::Mat& reference,
+cv::Mat draw_matches(std::string_view title, const FeaturedImage& frame, const FeaturedImage& reference,
                      const std::vector<JudgedMatch>& matches, double tolerance_m) {
-  if (frame.type() != CV_8UC1 || reference.type() != CV_8UC1 || frame.empty() || reference.empty()) {
+  if (frame.gray.type() != CV_8UC1 || reference.gray.type() != CV_8UC1 || frame.gray.empty() ||
+      reference.gray.empty()) {
     throw UsageError("a picture of matches needs two gray images of 8 bits");
   }
   const double half_width = (kMaxWidthPx - kGapPx) / 2.0;
   const auto fitting = [&](const cv::Mat& image) {
     return std::min({2.0, half_width / image.cols, static_cast<double>(kMaxHeightPx) / image.rows});
   };
-  const Panel left{fitting(frame), {0, kTitlePx}};
-  const cv::Size left_size = scaled_size(frame, left.scale);
-  const Panel right{fitting(reference), {left_size.width + kGapPx, kTitlePx}};
-  const cv::Size right_size = scaled_size(reference, right.scale);
-  const int width = std::max(right.corner.x + right_size.width, 480);
+  const Panel left{fitting(frame.gray), {0, kTitlePx}};
+  const cv::Size left_size = scaled_size(frame.gray, left.scale);
+  const Panel right{fitting(reference.gray), {left_size.width + kGapPx, kTitlePx}};
+  const cv::Size right_size = scaled_size(reference.gray, right.scale);
+  const int width = std::max(right.corner.x + right_size.width, 680);
   cv::Mat picture(kTitlePx + std::max(left_size.height, right_size.height), width, CV_8UC3, kWhite);
   place(frame, left, picture);
   place(reference, right, picture);
@@ -114,7 +128,7 @@ cv::Mat draw_matches(std::string_view title, const cv::Mat& frame, const cv::Mat
   write_legend(picture,
                std::string(title) + ": " + std::to_string(agreeing) + " of the " + std::to_string(matches.size()) +
                    " best matches agree with the truth",
-               tolerance_m);
+               tolerance_m, frame.features_px.size(), reference.features_px.size());
   return picture;
 }
 

@@ -132,6 +132,21 @@ std::string lat_lon_dms(GeodeticPoint point) {
   return dms(point.lat_deg, 'N', 'S') + " " + dms(point.lon_deg, 'E', 'W');
 }
 
+std::string figure_html(const std::string& label, const std::string& value, const std::string& detail,
+                        const std::string& mark) {
+  return "    <div><dt>" + html_escape(label) + "</dt><dd><b>" + html_escape(value) + "</b> <span>" +
+         html_escape(detail) + "</span>" + (mark.empty() ? "" : " " + mark) + "</dd></div>\n";
+}
+
+std::string map_row_html(std::string_view label, const std::vector<MapLayer>& layers) {
+  std::string boxes;
+  for (const MapLayer& layer : layers) {
+    boxes += "          <label><input type=\"checkbox\" id=\"show-" + std::string(layer.name) + "\"" +
+             (layer.shown ? " checked" : "") + "> " + html_escape(layer.label) + "</label>\n";
+  }
+  return fill_template(page_assets::map_row_html(), {{"map_label", html_escape(label)}, {"layers", boxes}});
+}
+
 std::string sketch_section_html(const std::string& differs) {
   return fill_template(page_assets::sketch_html(),
                        {{"modelled", kind_mark(NumberKind::kModelled)}, {"differs", html_escape(differs)}});

@@ -44,6 +44,19 @@ std::string lat_lon(GeodeticPoint point);
 /// The same in degrees, minutes and seconds.
 std::string lat_lon_dms(GeodeticPoint point);
 
+/// A key figure of the headline. `mark`: kind_mark() or nothing.
+std::string figure_html(const std::string& label, const std::string& value, const std::string& detail,
+                        const std::string& mark = "");
+
+/// A layer of the map that can be hidden. `name`: the script knows it by "show-" and this; `label` is text.
+struct MapLayer {
+  std::string_view name;
+  std::string_view label;
+  bool shown = true;
+};
+/// The map, the tile looked at, and beside them heat map, scale and layers. `label` says what the map is of.
+std::string map_row_html(std::string_view label, const std::vector<MapLayer>& layers);
+
 /// The section in which a route is drawn on the map (page_sketch.js). `differs` says how far P of `prepare` lies from
 /// its.
 std::string sketch_section_html(const std::string& differs);

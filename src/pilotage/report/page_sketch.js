@@ -85,7 +85,7 @@ function pointKey(index, event) {
 }
 function addPointMarker(index) {
   const { points } = sketch;
-  const marker = L.marker(points[index], { icon: sketchIcon('point', 18), draggable: true, keyboard: true, pane: 'sketch', bubblingMouseEvents: false });
+  const marker = L.marker(points[index], { icon: sketchIcon('point', 22), draggable: true, keyboard: true, pane: 'sketch', bubblingMouseEvents: false });
   marker.on('dragstart', () => { keepForUndo(); });
   marker.on('drag', () => { movePoint(index, marker.getLatLng()); placeMiddles(); followDrag(); });
   marker.on('dragend', () => { sketchChanged(); });

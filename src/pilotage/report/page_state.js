@@ -6,7 +6,6 @@ const tiles = report.tiles.rows;
 const flown = Boolean(report.route);  // a survey has ground and no route
 const column = {};
 report.tiles.columns.forEach((name, i) => { column[name] = i; });
-const $ = (id) => document.getElementById(id);
 const valueOf = (row, name) => row[column[name]];
 
 // Whether ground is told apart by classes, and the first measure that has values: the one to judge by.
@@ -75,14 +74,3 @@ function svgElement(tag, attributes) {
   for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, String(value));
   return node;
 }
-
-// ---- Light and dark ----
-// The style sheet knows light (no attribute), dark and sun; "as the system" becomes one of the first two here.
-const darkSystem = window.matchMedia('(prefers-color-scheme: dark)');
-function applyTheme() {
-  const wanted = $('theme').value || (darkSystem.matches ? 'dark' : '');
-  if (wanted) document.documentElement.dataset.theme = wanted; else delete document.documentElement.dataset.theme;
-}
-$('theme').addEventListener('change', applyTheme);
-darkSystem.addEventListener('change', applyTheme);
-applyTheme();

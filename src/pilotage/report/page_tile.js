@@ -71,7 +71,7 @@ function closeTile() {
   const inside = $('tile').contains(document.activeElement);
   state.tile = -1;
   $('tile').hidden = true;
-  $('tile-hint').textContent = 'Click a tile on the map, or type its number.';
+  $('tile-hint').textContent = 'Click a tile on the map.';
   redrawMarks();
   if (inside) $('tile-number').focus();
 }

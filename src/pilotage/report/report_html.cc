@@ -68,8 +68,7 @@ std::string evidence_html(const Report& report) {
 std::string figures_html(const Report& report) {
   std::string html;
   for (const KeyFigure& figure : key_figures(report)) {
-    html += "    <div><dt>" + html_escape(figure.label) + "</dt><dd><b>" + html_escape(figure.value) + "</b> <span>" +
-            html_escape(figure.detail) + "</span> " + kind_mark(figure.kind) + "</dd></div>\n";
+    html += figure_html(figure.label, figure.value, figure.detail, kind_mark(figure.kind));
   }
   return html;
 }
@@ -189,15 +188,18 @@ std::string lost_key_html(const Report& report) {
          std::string(kMostLost) + "</li>\n  ";
 }
 
-std::string denied_box_html(const Report& report) {
-  if (report.denied.empty()) return "";
-  return "\n        <label><input type=\"checkbox\" id=\"show-denied\" checked> " +
-         std::string(report.loss_anywhere ? "GNSS lost" : "GNSS denied") + "</label>";
-}
-
-std::string simulated_box_html(const Report& report) {
-  if (report.display.true_place_lines_m.empty()) return "";
-  return "\n        <label><input type=\"checkbox\" id=\"show-true-places\" checked> Simulated places</label>";
+std::vector<MapLayer> map_layers(const Report& report) {
+  std::vector<MapLayer> layers{{"imagery", "Imagery"},
+                               {"heat", "Heat map"},
+                               {"classes", "Outlines: go (solid), marginal (dashed), no-go (dotted)", false},
+                               {"selected", "Chosen areas"},
+                               {"refused", "Refused areas"},
+                               {"route", "Route, legs"},
+                               {"gaps", "Gaps"}};
+  if (!report.denied.empty()) layers.push_back({"denied", report.loss_anywhere ? "GNSS lost" : "GNSS denied"});
+  if (!report.display.true_place_lines_m.empty()) layers.push_back({"true-places", "Simulated places"});
+  layers.push_back({"grid", "Coordinate grid", false});
+  return layers;
 }
 
 std::string simulated_key_html(const Report& report) {
@@ -312,17 +314,18 @@ std::string report_html(const Report& report) {
        {"leaflet_css", page_leaflet_css()},
        {"leaflet_js", page_leaflet_js()},
        {"page_css", std::string(page_assets::page_css())},
-       {"page_js", page_script({page_assets::page_state_js(),        page_assets::page_ground_js(),
-                                page_assets::page_canvas_js(),       page_assets::page_grid_js(),
-                                page_assets::page_map_js(),          page_assets::page_tile_js(),
-                                page_assets::page_panel_js(),        page_assets::page_curve_js(),
-                                page_assets::page_chart_js(),        page_assets::page_seen_js(),
-                                page_assets::page_ins_js(),          page_assets::page_flight_js(),
-                                page_assets::page_verdict_js(),      page_assets::page_what_if_js(),
-                                page_assets::page_geodesic_js(),     page_assets::page_sketch_flight_js(),
-                                page_assets::page_sketch_files_js(), page_assets::page_sketch_read_js(),
-                                page_assets::page_sketch_js(),       page_assets::page_fold_js(),
-                                page_assets::page_start_js()})},
+       {"page_js", page_script({page_assets::page_theme_js(),         page_assets::page_state_js(),
+                                page_assets::page_ground_js(),        page_assets::page_canvas_js(),
+                                page_assets::page_grid_js(),          page_assets::page_map_js(),
+                                page_assets::page_tile_js(),          page_assets::page_panel_js(),
+                                page_assets::page_curve_js(),         page_assets::page_chart_js(),
+                                page_assets::page_seen_js(),          page_assets::page_ins_js(),
+                                page_assets::page_flight_js(),        page_assets::page_verdict_js(),
+                                page_assets::page_what_if_js(),       page_assets::page_geodesic_js(),
+                                page_assets::page_sketch_flight_js(), page_assets::page_sketch_files_js(),
+                                page_assets::page_sketch_read_js(),   page_assets::page_sketch_js(),
+                                page_assets::page_fold_js(),          page_assets::page_start_js()})},
+       {"map_row", map_row_html("Map of the corridor", map_layers(report))},
        {"sketch",
         sketch_section_html(
             "A budget, sparse areas and stretches with GNSS of the plan do not count here. prepare cuts its tiles "
@@ -344,7 +347,6 @@ std::string report_html(const Report& report) {
        {"replay", report.replay ? replay_html(*report.replay) : ""},
        {"what_if_simulated",
         !report.simulations.empty() ? " Simulated flights are not flown again, and do not enter." : ""},
-       {"simulated_box", simulated_box_html(report)},
        {"simulated_key", simulated_key_html(report)},
        {"measured", kind_mark(NumberKind::kMeasured)},
        {"simulated", kind_mark(NumberKind::kSimulated)},
@@ -354,7 +356,6 @@ std::string report_html(const Report& report) {
        {"imagery_age", imagery_age_html(report.imagery_age)},
        {"landmarks", report.landmarks ? landmark_html(*report.landmarks) : ""},
        {"denied_key", denied_key_html(report) + lost_key_html(report)},
-       {"denied_box", denied_box_html(report)},
        {"chart", strip_chart_svg(report)},
        {"heights", height_profile_svg(report.heights, chart_distance_m(report))},
        {"waypoints", waypoints_html(report.waypoints)},

@@ -21,6 +21,7 @@
 #include "pilotage/reroute/line_finder.h"
 #include "pilotage/reroute/planned_line.h"
 #include "pilotage/reroute/reroute_files.h"
+#include "pilotage/reroute/reroute_page.h"
 #include "pilotage/route/dji_wpml_writer.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/score/score_ground.h"
@@ -228,7 +229,7 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
   const std::string stem = fs::path(name).stem().string();
   write_file(staging / (stem + ".json"), json_text(reroute_to_json(result)), true);
   write_file(staging / (stem + ".geojson"), json_text(reroute_to_geojson(result)), true);
-  write_file(staging / (stem + ".html"), reroute_to_html(result, planned.name), true);
+  write_file(staging / (stem + ".html"), reroute_to_html(result, planned.name, stem + ".json"), true);
   if (run.output.extension() == kDjiMission) {
     const TileOptions rerouted = options_for_plan(options.mission.tile, staging / name);
     const Route flown = read_route(rerouted.route, rerouted.route_options);

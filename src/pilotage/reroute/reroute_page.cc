@@ -1,0 +1,247 @@
+#include "pilotage/reroute/reroute_page.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+#include "pilotage/base/angle.h"
+#include "pilotage/base/markup.h"
+#include "pilotage/base/svg.h"
+#include "pilotage/base/text.h"
+#include "pilotage/report/display_plane.h"
+#include "pilotage/report/number_kind.h"
+#include "pilotage/report/page_assets.h"
+#include "pilotage/report/page_parts.h"
+#include "pilotage/report/page_text.h"
+#include "pilotage/report/tile_class.h"
+#include "pilotage/report/wording.h"
+#include "pilotage/reroute/reroute_assets.h"
+
+namespace pilotage {
+namespace {
+
+std::string minutes_text(double duration_s) {
+  return format_fixed(duration_s / 60, 1) + " min";
+}
+
+std::string p_text(const RerouteLine& line) {
+  return line.p_within_limit ? probability_text(*line.p_within_limit) : "unknown";
+}
+
+// A plane of the picture: metres east and south of a corner, in pixels.
+struct Picture {
+  double lon_deg = 0;
+  double lat_deg = 0;
+  double x_per_deg = 1;
+  double y_per_deg = 1;
+  double width = 0;
+  double height = 0;
+
+  double x(GeodeticPoint point) const { return (unwrap_lon_deg(point.lon_deg, lon_deg) - lon_deg) * x_per_deg; }
+  double y(GeodeticPoint point) const { return (lat_deg - point.lat_deg) * y_per_deg; }
+};
+
+Picture picture_of(const RerouteResult& result) {
+  const double reference_deg = result.before.points.front().lon_deg;
+  double west = INFINITY;
+  double east = -INFINITY;
+  double south = INFINITY;
+  double north = -INFINITY;
+  const auto extend = [&](GeodeticPoint point) {
+    const double lon_deg = unwrap_lon_deg(point.lon_deg, reference_deg);
+    west = std::min(west, lon_deg);
+    east = std::max(east, lon_deg);
+    south = std::min(south, point.lat_deg);
+    north = std::max(north, point.lat_deg);
+  };
+  for (const RerouteLine* line : {&result.before, &result.after}) {
+    for (const GeodeticPoint point : line->points) extend(point);
+  }
+  for (const SearchedTile& tile : result.searched) {
+    for (const GeodeticPoint corner : tile.corners) extend(corner);
+  }
+  constexpr double kWidth = 1000;
+  Picture picture;
+  picture.lon_deg = west;
+  picture.lat_deg = north;
+  const double shrink = std::max(0.01, std::cos((south + north) / 2 * kRadPerDeg));
+  const double wide_deg = std::max({(east - west) * shrink, (north - south) / 1.2, 1e-6});
+  picture.y_per_deg = kWidth / wide_deg;
+  picture.x_per_deg = picture.y_per_deg * shrink;
+  picture.width = std::max(1.0, (east - west) * picture.x_per_deg);
+  picture.height = std::max(1.0, (north - south) * picture.y_per_deg);
+  return picture;
+}
+
+std::string points_text(const Picture& picture, const SvgWriter& svg, const std::vector<GeodeticPoint>& points) {
+  std::string text;
+  for (const GeodeticPoint point : points) {
+    text += (text.empty() ? "" : " ") + svg.number(picture.x(point)) + "," + svg.number(picture.y(point));
+  }
+  return text;
+}
+
+// The class and the colour that every other map gives such a tile.
+std::string cell_color(double p_fix) {
+  TileScores score;
+  score.p_correct_fix = p_fix;
+  const RasterClass& shown = tile_classes()[static_cast<std::size_t>(tile_class(score).value_or(TileClass::kNoGo))];
+  return hex_color({shown.rgb[0], shown.rgb[1], shown.rgb[2]});
+}
+
+std::string classes_key() {
+  std::string html;
+  for (const RasterClass& shown : tile_classes()) {
+    html += "<span class=\"swatch\" style=\"background:" + hex_color({shown.rgb[0], shown.rgb[1], shown.rgb[2]}) +
+            "\"></span> " + html_escape(shown.name) + " ";
+  }
+  return html;
+}
+
+// Below the cells; nothing where there is none.
+std::string imagery_svg(const Picture& picture, const SvgWriter& svg, const DegreePicture& imagery) {
+  constexpr std::size_t kMaxBytes = 300'000;
+  if (imagery.rgba.empty()) return "";
+  cv::Mat rgb;
+  cv::cvtColor(imagery.rgba, rgb, cv::COLOR_RGBA2RGB);
+  cv::Mat opacity;
+  cv::extractChannel(imagery.rgba, opacity, 3);
+  rgb.setTo(cv::Scalar::all(238), opacity == 0);  // the background's gray
+  const double left = picture.x({imagery.west_deg, imagery.north_deg});
+  const double top = picture.y({imagery.west_deg, imagery.north_deg});
+  const double width = (imagery.east_deg - imagery.west_deg) * picture.x_per_deg;
+  const double height = (imagery.north_deg - imagery.south_deg) * picture.y_per_deg;
+  return "<image preserveAspectRatio=\"none\" x=\"" + svg.number(left) + "\" y=\"" + svg.number(top) + "\" width=\"" +
+         svg.number(width) + "\" height=\"" + svg.number(height) + "\" href=\"data:image/jpeg;base64," +
+         base64(encode_jpeg(rgb, kMaxBytes)) + "\"/>\n";
+}
+
+std::string map_svg(const RerouteResult& result) {
+  const Picture picture = picture_of(result);
+  const SvgWriter svg;
+  std::string text = "<svg class=\"lines\" viewBox=\"0 0 " + svg.number(picture.width) + " " +
+                     svg.number(picture.height) +
+                     "\" role=\"img\" aria-label=\"Map of the planned and the new line\">\n";
+  text += imagery_svg(picture, svg, result.imagery);
+  for (const SearchedTile& tile : result.searched) {
+    text += "<polygon class=\"cell\" fill=\"" + cell_color(tile.p_fix) + "\" points=\"" +
+            points_text(picture, svg, tile.corners) + "\"/>\n";
+  }
+  for (const auto& ring : result.no_fly_rings) {
+    text += "<polygon class=\"zone\" points=\"" + points_text(picture, svg, ring) + "\"/>\n";
+  }
+  for (const auto& ring : result.fence_rings) {
+    text += "<polygon class=\"fence\" points=\"" + points_text(picture, svg, ring) + "\"/>\n";
+  }
+  for (const auto& [type, line] : {std::pair("planned", &result.before), std::pair("new", &result.after)}) {
+    const std::string points = points_text(picture, svg, line->points);
+    text += "<polyline class=\"halo\" points=\"" + points + "\"/>\n";
+    text += "<polyline class=\"" + std::string(type) + "\" points=\"" + points + "\"/>\n";
+  }
+  for (const GeodeticPoint point : result.after.points) {
+    text += "<circle class=\"stop\" cx=\"" + svg.number(picture.x(point)) + "\" cy=\"" + svg.number(picture.y(point)) +
+            "\" r=\"4\"/>\n";
+  }
+  const GeodeticPoint start = result.after.points.front();
+  const GeodeticPoint end = result.after.points.back();
+  constexpr double kWordWidth = 60;
+  const bool together = std::hypot(picture.x(start) - picture.x(end), picture.y(start) - picture.y(end)) < kWordWidth;
+  text += svg.text("name", picture.x(start) + 7, picture.y(start) - 7, together ? "start, end" : "start");
+  if (!together) text += svg.text("name", picture.x(end) + 7, picture.y(end) - 7, "end");
+  return text + "</svg>\n";
+}
+
+std::string figures_html(const RerouteLine& before, const RerouteLine& after) {
+  return figure_html("P of the route", p_text(after), "planned: " + p_text(before)) +
+         figure_html("Largest error", error_text(after.largest_error_m),
+                     "planned: " + error_text(before.largest_error_m)) +
+         figure_html("Matchable", percent_text(after.matchable_fraction),
+                     "planned: " + percent_text(before.matchable_fraction)) +
+         figure_html("Length", format_fixed(after.length_m / 1000, 2) + " km",
+                     signed_text((after.length_m - before.length_m) / 1000, 2) + " km") +
+         figure_html("Flight time", minutes_text(after.duration_s),
+                     signed_text((after.duration_s - before.duration_s) / 60, 1) + " min") +
+         figure_html(
+             "Turns", std::to_string(after.turns),
+             signed_text(after.turns - before.turns, 0) + ", " + format_fixed(after.turned_deg, 0) + "° in all");
+}
+
+std::string line_row(const std::string& name, const std::string& before, const std::string& after,
+                     const std::string& change) {
+  return "<tr>" + heading_html(name) + cell_html(before) + cell_html(after) + cell_html(change) + "</tr>\n";
+}
+
+std::string lines_html(const RerouteLine& before, const RerouteLine& after) {
+  std::string html =
+      line_row("Verdict", std::string(verdict_name(before.verdict)), std::string(verdict_name(after.verdict)), "");
+  html += line_row("P of the route", p_text(before), p_text(after), "");
+  html += line_row("Length", format_fixed(before.length_m / 1000, 2) + " km",
+                   format_fixed(after.length_m / 1000, 2) + " km",
+                   signed_text((after.length_m - before.length_m) / 1000, 2) + " km");
+  html += line_row("Flight time", minutes_text(before.duration_s), minutes_text(after.duration_s),
+                   signed_text((after.duration_s - before.duration_s) / 60, 1) + " min");
+  html += line_row("Turns", std::to_string(before.turns) + ", " + format_fixed(before.turned_deg, 0) + "°",
+                   std::to_string(after.turns) + ", " + format_fixed(after.turned_deg, 0) + "°",
+                   signed_text(after.turns - before.turns, 0));
+  html += line_row("Largest error", error_text(before.largest_error_m), error_text(after.largest_error_m), "");
+  html += line_row("Matchable", percent_text(before.matchable_fraction), percent_text(after.matchable_fraction), "");
+  if (before.no_fly_m > 0) {
+    html += line_row("In no-fly zones", length_text(before.no_fly_m), length_text(after.no_fly_m), "");
+  }
+  return html;
+}
+
+std::string list_section(const std::string& id, const std::string& title, const std::vector<std::string>& texts) {
+  if (texts.empty()) return "";
+  return "<section aria-labelledby=\"" + id + "\">\n  <h2 id=\"" + id + "\">" + html_escape(title) + "</h2>\n  <ul>\n" +
+         list_html(texts) + "  </ul>\n</section>\n";
+}
+
+// "GO: answer; rest" without the first word, which the page shows apart.
+std::pair<std::string, std::string> answer_and_rest(const RerouteLine& line) {
+  const std::string word = std::string(verdict_name(line.verdict)) + ": ";
+  const std::string text = line.verdict_text.substr(line.verdict_text.starts_with(word) ? word.size() : 0);
+  const std::size_t end = text.find("; ");
+  if (end == std::string::npos) return {text, ""};
+  return {text.substr(0, end), text.substr(end + 2)};
+}
+
+}  // namespace
+
+std::string signed_text(double number, int decimals) {
+  const std::string text = format_fixed(std::abs(number), decimals);
+  return (number < 0 ? "−" : "+") + text;
+}
+
+std::string reroute_to_html(const RerouteResult& result, const std::string& title, const std::string& json_name) {
+  const RerouteLine& before = result.before;
+  const RerouteLine& after = result.after;
+  const auto [answer, rest] = answer_and_rest(after);
+  return fill_template(
+      page_assets::reroute_html(),
+      {{"title", html_escape(title) + ": another line"},
+       {"page_css", std::string(page_assets::page_css())},
+       {"page_js", page_script({page_assets::page_theme_js()})},
+       {"status", std::string(status_name(after.verdict))},
+       {"word", std::string(verdict_name(after.verdict))},
+       {"answer", html_escape(capitalized(answer)) + "."},
+       {"rest", html_escape(rest)},
+       {"planned", (result.found_go ? "" : "<b>No line was found that is GO; this is the best one.</b> ") +
+                       html_escape("Planned line: " + before.verdict_text)},
+       {"figures", figures_html(before, after)},
+       {"assumptions", html_escape(result.assumptions)},
+       {"map", map_svg(result)},
+       {"classes", classes_key()},
+       {"classes_meaning", html_escape(tile_classes_meaning())},
+       {"modelled", kind_mark(NumberKind::kModelled)},
+       {"lines", lines_html(before, after)},
+       {"lists", list_section("lost-heading", "Items that had to go", result.lost_items) +
+                     list_section("shifted-heading", "Items that now happen elsewhere", result.shifted_items) +
+                     list_section("removed-heading", "Waypoints that are gone", result.removed_items) +
+                     list_section("notes-heading", "Notes", result.notes) +
+                     list_section("warnings-heading", "Warnings", result.warnings)},
+       {"json", html_escape(json_name)}});
+}
+
+}  // namespace pilotage
