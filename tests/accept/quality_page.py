@@ -74,6 +74,7 @@ def test(pilotage, source, work, rest):
             page.wait("return (document.documentElement.dataset.theme || 'light') === arguments[0]", f"a page that is {scheme}", scheme)
             page.full_screenshot(pictures / f"quality_{scheme}.png")
         page.prefer("light")
+        design_holds(page, "quality.html on a desktop")
         page.resize(390, 844)
         fits_width(page, "quality.html on a phone")
         design_holds(page, "quality.html on a phone")

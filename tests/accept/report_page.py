@@ -447,6 +447,8 @@ def printed_by_the_program(pilotage, source, work):
             "-o", f"{name}.html", "--pdf", f"{name}.pdf", cwd=mission)
     first, second = ((mission / f"{name}.pdf").read_bytes() for name in ("a", "b"))
     check(first.startswith(b"%PDF-") and first == second, "two PDFs of one page differ")
+    pages = len(re.findall(rb"/Type\s*/Page\b(?!s)", first))
+    check(1 <= pages <= 4, f"on paper the report has {pages} pages")
     check((mission / "a.html").read_bytes() == (mission / "b.html").read_bytes(), "two pages of one plan differ")
     check(len(list(mission.glob(".*partial*"))) == 0, "something is left over")
 

@@ -332,7 +332,7 @@ std::string quality_page_html(const CaptureResult& done, const QualityPageInput&
       {{"title", html_escape(input.title)},
        {"word", headline(done)},
        {"page_css", std::string(page_assets::page_css())},
-       {"page_js", page_script({page_assets::page_theme_js()})},
+       {"page_js", page_script({page_assets::page_base_js()})},
        {"answer", answer_text(done)},
        {"detail", "Of " + std::to_string(rows.size()) + " rows below " + count(QualityStatus::kGood) + " are good, " +
                       count(QualityStatus::kMarginal) + " marginal, " + count(QualityStatus::kBad) + " bad."},
@@ -348,7 +348,7 @@ std::string quality_page_html(const CaptureResult& done, const QualityPageInput&
        {"camera", camera_html(done)},
        {"frames", frames_html(done)},
        {"frames_note", html_escape(frames_note(done))},
-       {"parameters", parameters_html(parameters)},
+       {"parameters", parameters_section_html(parameters)},
        {"version", html_escape(software_version)}}));
 }
 

@@ -1,7 +1,8 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
@@ -93,132 +94,167 @@ struct PaperRow {
   double time_s;
   int best_right;
 };
-constexpr std::array<PaperRow, 3> kPaperTable{{{"BRIEF", 0.4925, 9}, {"SURF", 1.5539, 10}, {"SIFT", 2.4381, 10}}};
+constexpr PaperRow kPaperBrief{"BRIEF", 0.4925, 9};
+constexpr PaperRow kPaperSurf{"SURF", 1.5539, 10};
+constexpr PaperRow kPaperSift{"SIFT", 2.4381, 10};
 
-/// A method of this comparison that the paper has, too: at any length of descriptor.
+/// A method of this comparison that the paper has, too: BRIEF at any length.
 struct PaperMethod {
   PaperRow paper;
-  MethodSummary here;
+  std::string title;
   std::size_t index;  ///< Of FrameComparison::methods.
-
-  std::string title() const { return std::string(descriptor_method_title(here.method)); }
-  double feature_us() const { return 1000 * (here.detect.median_ms + here.describe.median_ms) / here.frame_features; }
 };
 
-std::vector<PaperMethod> methods_of_paper(const std::vector<MethodSummary>& summaries) {
+std::optional<PaperRow> row_of_paper(DescriptorMethod method) {
+  switch (method) {
+    case DescriptorMethod::kBrief128:
+    case DescriptorMethod::kBrief512:
+      return kPaperBrief;
+    case DescriptorMethod::kSurf:
+      return kPaperSurf;
+    case DescriptorMethod::kSift:
+      return kPaperSift;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::vector<PaperMethod> methods_of_paper(const Comparison& comparison) {
   std::vector<PaperMethod> methods;
-  for (std::size_t i = 0; i < summaries.size(); ++i) {
-    const std::string_view title = descriptor_method_title(summaries[i].method);
-    const auto* const row = std::find_if(kPaperTable.begin(), kPaperTable.end(),
-                                         [&](const PaperRow& paper) { return title.starts_with(paper.name); });
-    if (row != kPaperTable.end() && summaries[i].frame_features > 0) methods.push_back({*row, summaries[i], i});
+  for (std::size_t i = 0; i < comparison.methods.size(); ++i) {
+    const auto row = row_of_paper(comparison.methods[i]);
+    if (row) methods.push_back({*row, std::string(descriptor_method_title(comparison.methods[i])), i});
   }
   return methods;
 }
 
-// Smallest first; of equal ones the first stays first.
-template <class Value>
-std::vector<PaperMethod> ordered(std::vector<PaperMethod> methods, Value value) {
-  std::stable_sort(methods.begin(), methods.end(),
-                   [&](const PaperMethod& a, const PaperMethod& b) { return value(a) < value(b); });
-  return methods;
+/// Of the frames that `counts` takes: those in which `first` has the smaller value, of those in which the two differ.
+/// By frames, because the features of one frame share its ground.
+template <class Counts, class Value>
+Share frames_as_paper(const Comparison& comparison, const PaperMethod& first, const PaperMethod& second, Counts counts,
+                      Value value) {
+  Share share;
+  for (const FrameComparison& frame : comparison.frames) {
+    if (!counts(frame)) continue;
+    const double one = value(frame.methods[first.index]);
+    const double other = value(frame.methods[second.index]);
+    if (one == other) continue;
+    ++share.of;
+    share.count += one < other ? 1 : 0;
+  }
+  return share;
 }
 
-std::string titles(const std::vector<PaperMethod>& methods) {
-  std::vector<std::string> names;
-  for (const PaperMethod& method : methods) names.push_back(method.title());
-  return join(names, ", ");
+// "13 of 13 frames: as the paper"; a pair of methods is told apart where the share's interval leaves out one half.
+std::string as_paper_text(const Share& share) {
+  if (share.of == 0) return "no frame in which they differ";
+  const Interval interval = share.interval();
+  const char* const words = interval.low > 0.5    ? "as the paper"
+                            : interval.high < 0.5 ? "the other way round"
+                                                  : "not told apart";
+  return std::to_string(share.count) + " of " + std::to_string(share.of) + " frames: " + words;
 }
 
-/// Pairs of which the first is smaller here, by `value`, and larger in the paper, by `paper_value`.
-template <class Value, class PaperValue>
-std::vector<std::pair<PaperMethod, PaperMethod>> reversed(const std::vector<PaperMethod>& order, Value value,
-                                                          PaperValue paper_value) {
-  std::vector<std::pair<PaperMethod, PaperMethod>> pairs;
-  for (std::size_t first = 0; first < order.size(); ++first) {
-    for (std::size_t later = first + 1; later < order.size(); ++later) {
-      if (value(order[first]) < value(order[later]) &&
-          paper_value(order[first].paper) > paper_value(order[later].paper)) {
-        pairs.emplace_back(order[first], order[later]);
-      }
+bool was_matched(const FrameComparison& frame) {
+  return frame.problem.empty();
+}
+
+bool shows_truth(const FrameComparison& frame) {
+  return frame.shows_reference;
+}
+
+double with_reference_ms(const MethodOutcome& outcome) {
+  return outcome.total_ms() + outcome.reference_ms;
+}
+
+double frame_alone_ms(const MethodOutcome& outcome) {
+  return outcome.total_ms();
+}
+
+double not_right(const MethodOutcome& outcome) {
+  return kBestMatches - outcome.best_agreeing;
+}
+
+/// Both of a pair, the paper's better one first.
+using PaperPair = std::pair<PaperMethod, PaperMethod>;
+
+template <class Better>
+std::vector<PaperPair> paper_pairs(const std::vector<PaperMethod>& methods, Better better) {
+  std::vector<PaperPair> pairs;
+  for (const PaperMethod& first : methods) {
+    for (const PaperMethod& second : methods) {
+      if (better(first.paper, second.paper)) pairs.emplace_back(first, second);
     }
   }
   return pairs;
 }
 
-std::string beside_paper_times(const std::vector<PaperMethod>& methods, const CompareOptions& options) {
-  const auto paper_time = [](const PaperRow& row) { return row.time_s; };
-  const auto time = [](const PaperMethod& method) { return method.here.total.median_ms; };
-  const auto by_time = ordered(methods, time);
-  std::string text = "- **Time**, quickest first. The paper: BRIEF, SURF, SIFT. Here: " + titles(by_time);
-  if (reversed(by_time, time, paper_time).empty()) return text + ": the paper's order.\n";
-  const auto feature_time = [](const PaperMethod& method) { return method.feature_us(); };
-  const auto by_feature = ordered(methods, feature_time);
-  const auto by_number = ordered(methods, [](const PaperMethod& method) { return method.here.frame_features; });
-  const auto number = [](const PaperMethod& method) { return format_fixed(method.here.frame_features, 0); };
-  text += ": not the paper's order. By the time for one feature of a frame, found and described: " + titles(by_feature);
-  text += reversed(by_feature, feature_time, paper_time).empty() ? ", which is the paper's order"
-                                                                 : ", which is not the paper's either";
-  return text + ". " + by_number.front().title() + " finds the fewest features, " + number(by_number.front()) +
-         " of at most " + std::to_string(options.max_features) + ", " + by_number.back().title() + " the most, " +
-         number(by_number.back()) +
-         "; brute force compares each with each of the reference's, so that a method that finds few is quick whatever "
-         "one of them costs.\n";
+// What makes `second` quicker than `first` on a frame, as far as this comparison's own numbers say.
+std::string parts_of_times(const MethodSummary& first, const MethodSummary& second) {
+  const auto parts = [](const MethodSummary& s) {
+    return std::string(descriptor_method_title(s.method)) + " " + format_fixed(s.frame_features, 0) + " features, " +
+           ms(s.detect.median_ms + s.describe.median_ms) + " ms to find and describe, " + ms(s.match.median_ms) +
+           " ms to match";
+  };
+  return parts(second) + "; " + parts(first);
 }
 
-/// "BRIEF-512 before SIFT: more right in 14 of the 16 frames where they differ (95 %: 61.7 … 98.4 %)", or that chance
-/// explains it. By frames, because the matches of one frame share its ground.
-std::string better_in_frames(const Comparison& comparison, const PaperMethod& first, const PaperMethod& second) {
-  Share better;
-  for (const FrameComparison& frame : comparison.frames) {
-    const int difference = frame.methods[first.index].best_agreeing - frame.methods[second.index].best_agreeing;
-    if (!frame.shows_reference || difference == 0) continue;
-    ++better.of;
-    better.count += difference > 0 ? 1 : 0;
+std::string beside_paper_times(const Comparison& comparison, const std::vector<MethodSummary>& summaries,
+                               const std::vector<PaperPair>& pairs) {
+  std::string text = row({"quicker in the paper", "both images", "the frame alone, a reference held ready"});
+  text += "|---|---|---|\n";
+  std::string reasons;
+  for (const auto& [first, second] : pairs) {
+    const Share both = frames_as_paper(comparison, first, second, was_matched, with_reference_ms);
+    const Share alone = frames_as_paper(comparison, first, second, was_matched, frame_alone_ms);
+    text += row({first.title + " (" + format_fixed(first.paper.time_s, 2) + " s) than " + second.title + " (" +
+                     format_fixed(second.paper.time_s, 2) + " s)",
+                 as_paper_text(both), as_paper_text(alone)});
+    if (alone.of > 0 && alone.interval().high < 0.5) {
+      reasons += "- " + parts_of_times(summaries[first.index], summaries[second.index]) + ".\n";
+    }
   }
-  std::string text = first.title() + " before " + second.title() + ": more right in " + std::to_string(better.count) +
-                     " of the " + std::to_string(better.of) + " frame(s) where they differ (" +
-                     percent_with_interval(better) + ")";
-  return text + (better.interval().low > 0.5 ? "" : ", which chance explains, too");
-}
-
-std::string beside_paper_best(const Comparison& comparison, const std::vector<PaperMethod>& methods,
-                              const CompareOptions& options) {
-  const auto wrong = [](const PaperMethod& method) { return 1 - method.here.best.value(); };
-  const auto by_best = ordered(methods, wrong);
-  const auto other_way = reversed(by_best, wrong, [](const PaperRow& row) { return -row.best_right; });
-  std::string text =
-      "- **Best 10**, most right first. The paper: SURF and SIFT with 10 of 10, BRIEF with 9 of 10: one "
-      "match of one pair, which chance explains (see the intervals). Here: " +
-      titles(by_best);
-  if (other_way.empty()) return text + ": nothing the other way round.\n";
-  std::vector<std::string> pairs;
-  for (const auto& [first, second] : other_way) pairs.push_back(better_in_frames(comparison, first, second));
-  text += ". The other way round stand " + join(pairs, "; ") + ".";
-  if (options.raw)
-    return text + " The frames are as the camera made them; SURF and SIFT turn with the ground, BRIEF does not.\n";
+  if (reasons.empty()) return text;
   return text +
-         " The frames lie north up here: BRIEF, which does not turn, loses nothing by it, while SURF and SIFT take "
-         "the direction that is known for unknown. `--raw` asks the paper's question.\n";
+         "\nThe other way round on the frame alone (brute force compares each feature with each of the "
+         "reference's, so that few are matched quickly); medians:\n\n" +
+         reasons;
 }
 
-// What the paper's Table I has of the methods compared, both orders, and what of this comparison's own counts explains
-// the difference. "" unless two of its methods were compared on a frame that shows the reference.
-std::string beside_paper(const Comparison& comparison, const std::vector<MethodSummary>& summaries,
-                         const CompareOptions& options) {
-  const std::vector<PaperMethod> methods = methods_of_paper(summaries);
-  if (methods.size() < 2 || methods.front().here.best.of == 0) return "";
+std::string beside_paper_best(const Comparison& comparison, const std::vector<PaperPair>& pairs, bool raw) {
+  std::string text = "\n" + row({"more right of the best ten in the paper", "here"}) + "|---|---|\n";
+  bool other_way = false;
+  for (const auto& [first, second] : pairs) {
+    const Share share = frames_as_paper(comparison, first, second, shows_truth, not_right);
+    text += row({first.title + " (" + std::to_string(first.paper.best_right) + ") than " + second.title + " (" +
+                     std::to_string(second.paper.best_right) + ")",
+                 as_paper_text(share)});
+    other_way = other_way || (share.of > 0 && share.interval().high < 0.5);
+  }
+  text += "\nThe paper's ten and nine right matches of one pair of images are not told apart either.\n";
+  if (other_way && !raw) {
+    text +=
+        "Frames lie north up here, so that descriptors that turn with the ground have nothing to gain from it; with "
+        "`--raw` they are as the camera made them.\n";
+  }
+  return text;
+}
+
+// What the paper's Table I says of any two of its methods that are compared, and whether the frames here say the same.
+// "" unless two of different names were compared on a frame that shows the reference.
+std::string beside_paper(const Comparison& comparison, const std::vector<MethodSummary>& summaries, bool raw) {
+  const std::vector<PaperMethod> methods = methods_of_paper(comparison);
+  const auto by_time = paper_pairs(methods, [](const PaperRow& a, const PaperRow& b) { return a.time_s < b.time_s; });
+  const auto by_best =
+      paper_pairs(methods, [](const PaperRow& a, const PaperRow& b) { return a.best_right > b.best_right; });
+  if (by_time.empty() || std::none_of(comparison.frames.begin(), comparison.frames.end(), shows_truth)) return "";
   std::string text =
       "\n## Beside the paper's Table I\n\nAnother experiment: its images, machine, lengths and numbers of "
-      "features are not known. Only orders can be held against each other.\n\n";
-  text += row({"method", "paper: time, ms", "together, ms", "a feature, µs", "features", "paper: best 10", "best 10"});
-  text += "|---|---:|---:|---:|---:|---:|---:|\n";
-  for (const PaperMethod& method : methods) {
-    text += row({method.title(), ms(1000 * method.paper.time_s), ms(method.here.total.median_ms),
-                 ms(method.feature_us()), format_fixed(method.here.frame_features, 0),
-                 percent_with_interval({method.paper.best_right, kBestMatches}), percent(method.here.best)});
-  }
-  return text + "\n" + beside_paper_times(methods, options) + beside_paper_best(comparison, methods, options);
+      "features are not known. Only which of two is better can be held against each other: frame by frame, "
+      "of those in which the two differ, and told apart where the 95 % interval of that share leaves out "
+      "one half.\n\n";
+  text += beside_paper_times(comparison, summaries, by_time);
+  return text + (by_best.empty() ? "" : beside_paper_best(comparison, by_best, raw));
 }
 
 }  // namespace
@@ -234,7 +270,7 @@ std::string comparison_markdown(const Comparison& comparison, const ComparisonSo
           " features in a frame, as many on the same area of the reference. Brute-force matching.\n\n";
   const std::vector<MethodSummary> summaries = summarise(comparison);
   text += tables(summaries) + "\n" + meanings(options);
-  text += beside_paper(comparison, summaries, options) + "\n";
+  text += beside_paper(comparison, summaries, options.raw) + "\n";
   text += "Reference: " + join(source.reference, ", ") + ". Frames: " + source.frames + ". Seed " +
           std::to_string(source.seed) + ". " + source.software_version + ".\n";
   if (pictures.empty()) return text;

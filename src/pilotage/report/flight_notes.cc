@@ -52,10 +52,6 @@ std::string tries_text(JsonObject fixes) {
          count("off_line") + " beside the line's tile.";
 }
 
-std::string signed_text(double number) {
-  return (number < 0 ? "−" : "+") + format_fixed(std::abs(number), 2);
-}
-
 FlownAgainstPlan read_flown(JsonObject& prediction, JsonObject fixes) {
   FlownAgainstPlan flown;
   JsonObject observed = prediction.object("observed");
@@ -77,9 +73,9 @@ void read_prediction(JsonObject& replay, ReplayNote& note) {
   note.sentences.push_back(
       "Over stored tiles, with priors that P is of: " + share_of_text(prediction.object("observed")) +
       " came as a fix, " + probability_text(prediction.number("predicted")) + " were predicted; " +
-      signed_text(prediction.number_or_nan("large_z_with_level")) +
+      signed_text(prediction.number_or_nan("large_z_with_level"), 2) +
       " standard deviations apart, with the level of the place that all tiles share (" +
-      signed_text(prediction.number_or_nan("large_z")) + " without).");
+      signed_text(prediction.number_or_nan("large_z"), 2) + " without).");
   NoteTable table{"P of the tiles below against what came of it", {"P", "Mean P", "Fixes, share"}, {}};
   for (JsonObject& bin : prediction.objects("reliability")) {
     table.rows.push_back({probability_text(bin.number("low_p")) + " to " + probability_text(bin.number("high_p")),

@@ -124,6 +124,14 @@ std::string parameters_html(const nlohmann::ordered_json& parameters) {
   return html;
 }
 
+std::string parameters_section_html(const nlohmann::ordered_json& parameters) {
+  const std::string rows = parameters_html(parameters);
+  if (rows.empty()) return "";
+  return "<section aria-labelledby=\"parameters-heading\">\n  <h2 id=\"parameters-heading\">Parameters</h2>\n"
+         "  <details><summary>All options of this run</summary>\n  <table class=\"parameters\"><tbody>\n" +
+         rows + "</tbody></table></details>\n</section>\n";
+}
+
 std::string lat_lon(GeodeticPoint point) {
   return number_text(point.lat_deg, 6) + ", " + number_text(point.lon_deg, 6);
 }

@@ -38,6 +38,8 @@ std::string imagery_html(const std::vector<ImageryDataset>& imagery);  ///< Rows
 std::string inputs_html(const std::vector<InputFile>& inputs);         ///< Rows: input, name, date, licence, digest.
 /// Rows of all options; nested ones have dotted names, as in a configuration file.
 std::string parameters_html(const nlohmann::ordered_json& parameters);
+/// The section of all options of a run; nothing where they are not known.
+std::string parameters_section_html(const nlohmann::ordered_json& parameters);
 
 /// "53.123456, 7.123456": latitude first, as planners write it.
 std::string lat_lon(GeodeticPoint point);

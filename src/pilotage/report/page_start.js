@@ -26,11 +26,11 @@ function makeButtons() {
   });
 }
 
-// On paper the map shows the whole corridor, as wide as the page, and what was folded is open. Browsers lay the page out
+// On paper the map shows the whole corridor, as wide as the page. Browsers lay the page out
 // for paper after `beforeprint`, so the map gets the size of the paper here: A4 less the margins of the style sheet.
 // A canvas drawn at this moment is printed without its transparency, so all layers are put together on one.
 const paper_px = { width: 700, height: 400 };
-const beforePrint = { center: null, zoom: 0, minZoom: 0, folded: [], picture: null };
+const beforePrint = { center: null, zoom: 0, minZoom: 0, picture: null };
 function mapPicture() {
   const canvas = document.createElement('canvas');
   canvas.width = 3 * paper_px.width;
@@ -57,8 +57,6 @@ function mapPicture() {
   return canvas;
 }
 function preparePrint() {
-  beforePrint.folded = [...document.querySelectorAll('details:not([open])')];
-  beforePrint.folded.forEach((details) => { details.open = true; });
   if (state.printing) return;
   state.printing = true;
   if (flown) showFlight();
@@ -75,7 +73,6 @@ function preparePrint() {
   $('map').append(beforePrint.picture);
 }
 function endPrint() {
-  beforePrint.folded.forEach((details) => { details.open = false; });
   if (!state.printing) return;
   state.printing = false;
   if (flown) showFlight();

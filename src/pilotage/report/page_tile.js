@@ -71,9 +71,9 @@ function closeTile() {
   const inside = $('tile').contains(document.activeElement);
   state.tile = -1;
   $('tile').hidden = true;
-  $('tile-hint').textContent = 'Click a tile on the map.';
+  $('tile-hint').textContent = 'Click a tile on the map, or type its number (above).';
   redrawMarks();
-  if (inside) $('tile-number').focus();
+  if (inside) (map ? $('map') : $('more')).focus();
 }
 function makeTileControls() {
   $('tile-number').addEventListener('change', () => {

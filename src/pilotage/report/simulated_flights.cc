@@ -155,8 +155,8 @@ std::string one_simulation_html(const Simulation& simulation, const std::string&
   paragraph(most_lost_text(simulation));
   paragraph(fixes_text(simulation));
   html += losses_table(simulation);
-  html += "  <h3>Legs</h3>\n" + legs_table(simulation);
-  html += "  <h3>Errors along the route</h3>\n" + marks_table(simulation);
+  html += "  <div class=\"beside\">\n  <div><h3>Legs</h3>\n" + legs_table(simulation) + "</div>\n";
+  html += "  <div><h3>Errors along the route</h3>\n" + marks_table(simulation) + "</div>\n  </div>\n";
   html +=
       "  <p class=\"small\">CEP50 and R95: half and 95 of 100 of the true errors of all flights, lost ones with "
       "them, are at most so large. NEES: 2 of a filter whose covariance is honest; false fixes lift it.</p>\n";

@@ -68,6 +68,12 @@ std::string months_text(double months) {
   return count_text(std::llround(months), "month", "months");
 }
 
+std::string signed_text(double number, int decimals) {
+  const std::string text = format_fixed(std::abs(number), decimals);
+  const bool is_nothing = text.find_first_of("123456789") == std::string::npos;
+  return (number < 0 && !is_nothing ? "−" : "+") + text;
+}
+
 std::string listed(const std::vector<std::string>& words) {
   if (words.size() < 2) return join(words, "");
   return join({words.begin(), words.end() - 1}, ", ") + " and " + words.back();

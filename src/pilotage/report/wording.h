@@ -32,6 +32,9 @@ std::string count_text(std::int64_t count, const std::string& one, const std::st
 /// "21 months", "1 month": rounded to whole ones.
 std::string months_text(double months);
 
+/// "+0.42", "−1.00"; what rounds to nothing is "+0.00".
+std::string signed_text(double number, int decimals);
+
 /// "2", "2 and 4", "2, 4 and 5".
 std::string listed(const std::vector<std::string>& words);
 

@@ -30,6 +30,8 @@ void judge(JudgedLine& line, const std::optional<Simulation>& simulation) {
   const std::vector<QualityRow> rows = quality_rows(input);
   line.status = verdict_of(rows);
   line.text = verdict_sentence(line.status, rows, line.selection);
+  line.headline = headline(rows, line.selection);
+  line.detail = verdict_detail(line.status, rows, line.selection);
 }
 
 bool is_safer(const JudgedLine& a, const JudgedLine& b) {
@@ -42,6 +44,8 @@ RerouteLine figures_of(const JudgedLine& line, const NoFlyZones& zones) {
   RerouteLine figures;
   figures.verdict = line.status;
   figures.verdict_text = line.text;
+  figures.headline = line.headline;
+  figures.verdict_detail = line.detail;
   if (line.selection.probability) figures.p_within_limit = line.selection.probability->p_within_limit;
   figures.largest_error_m = largest_error_m(line.selection);
   figures.matchable_fraction = line.selection.matchable_fraction;

@@ -18,12 +18,14 @@ struct JudgedLine {
   std::vector<TileScores> scores;
   Selection selection;
   QualityStatus status = QualityStatus::kBad;
-  std::string text;         ///< The verdict in one line, as `prepare` prints it.
+  std::string text;      ///< The verdict in one line, as `prepare` prints it.
+  std::string headline;  ///< Its parts (report/verdict.h).
+  std::string detail;
   std::string second_date;  ///< What was taken for granted of it (score/score_second_epoch.h); "" without one.
 };
 
-/// Fills status and text from the rest, and from drawn flights where there are any, by the rows and the words of the
-/// report (report/quality.h, report/verdict.h).
+/// Fills status, text and its parts from the rest, and from drawn flights where there are any, by the rows and the
+/// words of the report (report/quality.h, report/verdict.h).
 void judge(JudgedLine& line, const std::optional<Simulation>& simulation = std::nullopt);
 
 /// Is a a better line than b, whatever they cost? By verdict, then P, then largest error.

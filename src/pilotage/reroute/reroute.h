@@ -19,6 +19,8 @@ namespace pilotage {
 struct RerouteLine {
   QualityStatus verdict = QualityStatus::kBad;
   std::string verdict_text;              ///< As `prepare` prints it.
+  std::string headline;                  ///< As the report's page has it, and
+  std::string verdict_detail;            ///< what stands below it.
   std::optional<double> p_within_limit;  ///< RouteProbability's; nothing where no tile has a P.
   double largest_error_m = 0;            ///< Largest predicted error (k·σ).
   double matchable_fraction = 0;

@@ -7,7 +7,6 @@
 
 #include "pilotage/base/json_object.h"
 #include "pilotage/report/wording.h"
-#include "pilotage/reroute/reroute_page.h"
 
 namespace pilotage {
 namespace {

@@ -21,10 +21,6 @@
 namespace pilotage {
 namespace {
 
-std::string minutes_text(double duration_s) {
-  return format_fixed(duration_s / 60, 1) + " min";
-}
-
 std::string p_text(const RerouteLine& line) {
   return line.p_within_limit ? probability_text(*line.p_within_limit) : "unknown";
 }
@@ -152,19 +148,38 @@ std::string map_svg(const RerouteResult& result) {
   return text + "</svg>\n";
 }
 
-std::string figures_html(const RerouteLine& before, const RerouteLine& after) {
-  return figure_html("P of the route", p_text(after), "planned: " + p_text(before)) +
-         figure_html("Largest error", error_text(after.largest_error_m),
-                     "planned: " + error_text(before.largest_error_m)) +
-         figure_html("Matchable", percent_text(after.matchable_fraction),
-                     "planned: " + percent_text(before.matchable_fraction)) +
-         figure_html("Length", format_fixed(after.length_m / 1000, 2) + " km",
-                     signed_text((after.length_m - before.length_m) / 1000, 2) + " km") +
-         figure_html("Flight time", minutes_text(after.duration_s),
-                     signed_text((after.duration_s - before.duration_s) / 60, 1) + " min") +
-         figure_html(
-             "Turns", std::to_string(after.turns),
-             signed_text(after.turns - before.turns, 0) + ", " + format_fixed(after.turned_deg, 0) + "° in all");
+/// A figure of both lines.
+struct LineFigure {
+  std::string name;
+  std::string before;
+  std::string after;
+  std::string change;
+  NumberKind kind = NumberKind::kModelled;
+};
+
+std::vector<LineFigure> line_figures(const RerouteLine& before, const RerouteLine& after) {
+  const auto km = [](const RerouteLine& line) { return format_fixed(line.length_m / 1000, 2) + " km"; };
+  const auto minutes = [](const RerouteLine& line) { return format_fixed(line.duration_s / 60, 1) + " min"; };
+  const auto turns = [](const RerouteLine& line) {
+    return std::to_string(line.turns) + ", " + format_fixed(line.turned_deg, 0) + "°";
+  };
+  return {{"P of the route", p_text(before), p_text(after), ""},
+          {"Largest error", error_text(before.largest_error_m), error_text(after.largest_error_m), ""},
+          {"Matchable", percent_text(before.matchable_fraction), percent_text(after.matchable_fraction), ""},
+          {"Length", km(before), km(after), signed_text((after.length_m - before.length_m) / 1000, 2) + " km",
+           NumberKind::kStated},
+          {"Flight time", minutes(before), minutes(after),
+           signed_text((after.duration_s - before.duration_s) / 60, 1) + " min"},
+          {"Turns", turns(before), turns(after), signed_text(after.turns - before.turns, 0), NumberKind::kStated}};
+}
+
+std::string figures_html(const std::vector<LineFigure>& figures) {
+  std::string html;
+  for (const LineFigure& figure : figures) {
+    const std::string change = figure.change.empty() ? "" : " (" + figure.change + ")";
+    html += figure_html(figure.name, figure.after, "planned: " + figure.before + change, kind_mark(figure.kind));
+  }
+  return html;
 }
 
 std::string line_row(const std::string& name, const std::string& before, const std::string& after,
@@ -172,20 +187,10 @@ std::string line_row(const std::string& name, const std::string& before, const s
   return "<tr>" + heading_html(name) + cell_html(before) + cell_html(after) + cell_html(change) + "</tr>\n";
 }
 
-std::string lines_html(const RerouteLine& before, const RerouteLine& after) {
+std::string lines_html(const std::vector<LineFigure>& figures, const RerouteLine& before, const RerouteLine& after) {
   std::string html =
       line_row("Verdict", std::string(verdict_name(before.verdict)), std::string(verdict_name(after.verdict)), "");
-  html += line_row("P of the route", p_text(before), p_text(after), "");
-  html += line_row("Length", format_fixed(before.length_m / 1000, 2) + " km",
-                   format_fixed(after.length_m / 1000, 2) + " km",
-                   signed_text((after.length_m - before.length_m) / 1000, 2) + " km");
-  html += line_row("Flight time", minutes_text(before.duration_s), minutes_text(after.duration_s),
-                   signed_text((after.duration_s - before.duration_s) / 60, 1) + " min");
-  html += line_row("Turns", std::to_string(before.turns) + ", " + format_fixed(before.turned_deg, 0) + "°",
-                   std::to_string(after.turns) + ", " + format_fixed(after.turned_deg, 0) + "°",
-                   signed_text(after.turns - before.turns, 0));
-  html += line_row("Largest error", error_text(before.largest_error_m), error_text(after.largest_error_m), "");
-  html += line_row("Matchable", percent_text(before.matchable_fraction), percent_text(after.matchable_fraction), "");
+  for (const LineFigure& figure : figures) html += line_row(figure.name, figure.before, figure.after, figure.change);
   if (before.no_fly_m > 0) {
     html += line_row("In no-fly zones", length_text(before.no_fly_m), length_text(after.no_fly_m), "");
   }
@@ -198,44 +203,30 @@ std::string list_section(const std::string& id, const std::string& title, const 
          list_html(texts) + "  </ul>\n</section>\n";
 }
 
-// "GO: answer; rest" without the first word, which the page shows apart.
-std::pair<std::string, std::string> answer_and_rest(const RerouteLine& line) {
-  const std::string word = std::string(verdict_name(line.verdict)) + ": ";
-  const std::string text = line.verdict_text.substr(line.verdict_text.starts_with(word) ? word.size() : 0);
-  const std::size_t end = text.find("; ");
-  if (end == std::string::npos) return {text, ""};
-  return {text.substr(0, end), text.substr(end + 2)};
-}
-
 }  // namespace
-
-std::string signed_text(double number, int decimals) {
-  const std::string text = format_fixed(std::abs(number), decimals);
-  return (number < 0 ? "−" : "+") + text;
-}
 
 std::string reroute_to_html(const RerouteResult& result, const std::string& title, const std::string& json_name) {
   const RerouteLine& before = result.before;
   const RerouteLine& after = result.after;
-  const auto [answer, rest] = answer_and_rest(after);
+  const std::vector<LineFigure> figures = line_figures(before, after);
   return fill_template(
       page_assets::reroute_html(),
       {{"title", html_escape(title) + ": another line"},
        {"page_css", std::string(page_assets::page_css())},
-       {"page_js", page_script({page_assets::page_theme_js()})},
+       {"page_js", page_script({page_assets::page_base_js()})},
        {"status", std::string(status_name(after.verdict))},
        {"word", std::string(verdict_name(after.verdict))},
-       {"answer", html_escape(capitalized(answer)) + "."},
-       {"rest", html_escape(rest)},
+       {"answer", html_escape(capitalized(after.headline)) + "."},
+       {"rest", html_escape(after.verdict_detail)},
        {"planned", (result.found_go ? "" : "<b>No line was found that is GO; this is the best one.</b> ") +
                        html_escape("Planned line: " + before.verdict_text)},
-       {"figures", figures_html(before, after)},
+       {"figures", figures_html(figures)},
        {"assumptions", html_escape(result.assumptions)},
        {"map", map_svg(result)},
        {"classes", classes_key()},
        {"classes_meaning", html_escape(tile_classes_meaning())},
        {"modelled", kind_mark(NumberKind::kModelled)},
-       {"lines", lines_html(before, after)},
+       {"lines", lines_html(figures, before, after)},
        {"lists", list_section("lost-heading", "Items that had to go", result.lost_items) +
                      list_section("shifted-heading", "Items that now happen elsewhere", result.shifted_items) +
                      list_section("removed-heading", "Waypoints that are gone", result.removed_items) +

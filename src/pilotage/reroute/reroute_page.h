@@ -10,7 +10,4 @@ namespace pilotage {
 /// no network and no other file. `title` is the planned line's name, `json_name` the file beside it with its numbers.
 std::string reroute_to_html(const RerouteResult& result, const std::string& title, const std::string& json_name);
 
-/// "+0.42", "−1.00".
-std::string signed_text(double number, int decimals);
-
 }  // namespace pilotage

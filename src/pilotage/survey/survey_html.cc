@@ -172,7 +172,7 @@ std::string survey_html(const Survey& survey) {
        {"leaflet_css", page_leaflet_css()},
        {"leaflet_js", page_leaflet_js()},
        {"page_css", std::string(page_assets::page_css())},
-       {"page_js", page_script({page_assets::page_theme_js(),         page_assets::page_state_js(),
+       {"page_js", page_script({page_assets::page_base_js(),          page_assets::page_state_js(),
                                 page_assets::page_ground_js(),        page_assets::page_canvas_js(),
                                 page_assets::page_grid_js(),          page_assets::page_map_js(),
                                 page_assets::page_tile_js(),          page_assets::page_panel_js(),
@@ -207,7 +207,7 @@ std::string survey_html(const Survey& survey) {
        {"imagery", imagery_html(survey.area.ground.imagery.datasets) + imagery_html(survey.second_dates)},
        {"inputs", inputs_html(survey.inputs)},
        {"grid", survey_grid_html(survey)},
-       {"parameters", parameters_html(survey.parameters)},
+       {"parameters", parameters_section_html(survey.parameters)},
        {"warnings", list_html(survey.warnings)},
        {"notes", list_html(survey.notes)},
        {"version", html_escape(survey.software_version)}});
