@@ -21,7 +21,7 @@ return {sizes: [...sizes].filter(([size]) => !allowed.some((one) => Math.abs(one
 CONTROLS = """return [...document.querySelectorAll('button, input, select, summary, a[href]')].filter((node) => {
   const box = node.getBoundingClientRect();
   return box.width > 1 && box.height > 1 && box.bottom > 0 && box.top < window.innerHeight && box.right > 0 && getComputedStyle(node).visibility === 'visible' &&
-    !node.matches('h2 .fold');
+    !node.disabled && !node.matches('h2 .fold');
 }).map((node) => node.id || node.getAttribute('aria-label') || node.title || node.textContent.trim())"""
 
 

@@ -34,7 +34,7 @@ def test(pilotage, source, work, rest):
         check(not foreign, f"the page asks for {foreign}")
         check(page.run("return document.querySelector('.word').textContent") == done["new"]["verdict"], "another verdict than the file's")
         answer, planned, rest = (page.run("return document.querySelector(arguments[0]).textContent", name)
-                                 for name in (".answer", ".said .sentence", ".because .sentence"))
+                                 for name in (".answer", "#planned", ".because-below .sentence"))
         new = done["new"]["verdict_text"].partition(": ")[2]
         check(f"{answer[:-1]}; {rest}".lower() == new.lower() and len(rest) > 20 and done["planned"]["verdict_text"] in planned, f"{answer}, {rest}, {planned}")
         length = page.run(ROWS)["Length"]
@@ -59,13 +59,15 @@ def test(pilotage, source, work, rest):
         page.resize(390, 844)
         fits_width(page, "reroute's page on a phone")
         design_holds(page, "reroute's page on a phone")
+        bottom = page.run("return document.querySelector('.lines').getBoundingClientRect().bottom")
+        check(bottom <= 844, f"on a phone the map ends at {bottom} px")
         letters = page.run("return Math.min(...[...document.querySelectorAll('.lines text')].map((text) => text.getBoundingClientRect().height))")
         check(letters >= 11, f"letters of the map are {letters} px high")
         page.full_screenshot(pictures / "reroute_phone.png")
         run(pilotage, "reroute", "mission.json", "--max-error-m", "2", "-q", "-o", "none.plan", cwd=work, expect=3)
         check(not json.loads((work / "none.json").read_text(encoding="utf-8"))["found_go"], "a line keeps within 2 m")
         page.open(work / "none.html")
-        check("No line was found that is GO" in page.run("return document.querySelector('.said').textContent"), "the page hides that no line is GO")
+        check("No line was found that is GO" in page.run("return document.getElementById('planned').textContent"), "the page hides that no line is GO")
         said = page.console()
         check(not said, f"the console has: {said}")
 
