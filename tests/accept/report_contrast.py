@@ -1,4 +1,4 @@
-"""report.html under axe-core, which looks for contrast too low to read and controls without a name.
+"""The pages of a mission, an area and a line that was sought under axe-core, which looks for contrast too low to read and controls without a name.
 
 report_contrast.py PILOTAGE SOURCE_FOLDER WRITE_REPORT_SCENE FOLDER
 
@@ -63,7 +63,31 @@ def judge(page, what, enhanced=False):
     check(not result["violations"], f"{what}:\n" + "\n".join(result["violations"]))
 
 
-def test(_, source, work, rest):
+def other_pages(page, pilotage, source, work, axe):
+    """Of `survey` and `reroute`, on a crop of the sample, as they open and on a phone."""
+    if shutil.which("gdal_translate") is None or not (source / "maps/sample/ortho.tif").exists():
+        print("the pages of survey and reroute were not looked at: they need the sample's imagery and gdal_translate")
+        return
+    run("sh", source / "tests/data/small_mission/make", cwd=work)
+    run(pilotage, "survey", "ortho.tif", "--camera-hfov-deg", "60", "--camera-width-px", "640", "--camera-height-px", "480", "--agl-m", "60", "-q",
+        "-o", "area", cwd=work)
+    run(pilotage, "reroute", "mission.json", "--max-error-m", "25", "-q", "-o", "better.plan", cwd=work)
+    for name in ("area/survey.html", "better.html"):
+        page.resize(1440, 900)
+        page.open(work / name)
+        page.run(axe + "\nwindow.axe = axe;")
+        page.run("document.querySelectorAll('details').forEach((node) => { node.open = true; })")
+        for theme in ("light", "dark"):
+            choose(page, theme)
+            judge(page, f"{name}, {theme}")
+        choose(page, "sun")
+        judge(page, f"{name}, sunlight", enhanced=True)
+        page.resize(390, 844)
+        choose(page, "light")
+        judge(page, f"{name} on a phone")
+
+
+def test(pilotage, source, work, rest):
     if missing_programs():
         print(f"skipped: {missing_programs()} not installed: apt-get install chromium chromium-driver")
         sys.exit(SKIP)
@@ -82,6 +106,7 @@ def test(_, source, work, rest):
         page.resize(820, 1180)
         choose(page, "light")
         judge(page, "tablet")
+        other_pages(page, pilotage, source, work, axe)
         # What axe-core finds must be found: a gray that cannot be read.
         page.run("document.querySelector('.answer').style.color = '#e0d0d8'")
         check(any("color-contrast" in text for text in page.run(AXE, False)["violations"]), "axe-core sees nothing")
