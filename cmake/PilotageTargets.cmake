@@ -41,6 +41,39 @@ function(pilotage_compile_by_folder target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
 endfunction()
 
+# pilotage_embed_page(<folder> [<file>…] [AS <name>=<file>…] [HEADER <file>]): files of the calling folder become functions of pilotage::page_assets in
+# pilotage_prep, named as they are with "_" for "."; those after AS, with whole paths, have the names given. pilotage/<folder>/<folder>_assets.h
+# declares them, or the HEADER named.
+function(pilotage_embed_page folder)
+  cmake_parse_arguments(PARSE_ARGV 1 page "" "HEADER" "AS")
+  set(names "")
+  set(files "")
+  foreach(file IN LISTS page_UNPARSED_ARGUMENTS)
+    string(REPLACE "." "_" name ${file})
+    list(APPEND names ${name})
+    list(APPEND files ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+  endforeach()
+  foreach(named IN LISTS page_AS)
+    string(REGEX MATCH "^([^=]+)=(.+)$" _ ${named})
+    list(APPEND names ${CMAKE_MATCH_1})
+    list(APPEND files ${CMAKE_MATCH_2})
+  endforeach()
+  if(NOT page_HEADER)
+    set(page_HEADER ${folder}_assets.h)
+  endif()
+  set(assets_cc ${CMAKE_CURRENT_BINARY_DIR}/${folder}_assets.cc)
+  add_custom_command(OUTPUT ${assets_cc}
+    COMMAND ${CMAKE_COMMAND} "-DOUTPUT=${assets_cc}" "-DHEADER=pilotage/${folder}/${page_HEADER}"
+            "-DNAMESPACE=pilotage::page_assets" "-DNAMES=$<JOIN:${names},|>" "-DFILES=$<JOIN:${files},|>"
+            -P ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
+    DEPENDS ${files} ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
+    COMMENT "Embedding the page of ${folder}" VERBATIM)
+  # A rule of this folder is not seen by the target of the parent folder, so the two are tied by a target of its own.
+  add_custom_target(pilotage_${folder}_page DEPENDS ${assets_cc})
+  add_dependencies(pilotage_prep pilotage_${folder}_page)
+  target_sources(pilotage_prep PRIVATE ${assets_cc})
+endfunction()
+
 # The tests are of two tiers (docs/decisions/checks-in-tests.md). `tools/test` runs those without the label "thorough"; `tools/test --all` runs
 # all of them, and builds besides what is left out of the target `all`: the programs that only thorough tests run, and benchmarks.
 

@@ -331,7 +331,8 @@ std::string quality_page_html(const CaptureResult& done, const QualityPageInput&
       page_assets::quality_html(),
       {{"title", html_escape(input.title)},
        {"word", headline(done)},
-       {"page_css", std::string(page_assets::page_css())},
+       {"head", page_head_html(headline(done) + " – " + input.title, false)},
+       {"appearance", std::string(page_assets::page_appearance_html())},
        {"page_js", page_script({page_assets::page_base_js()})},
        {"answer", answer_text(done)},
        {"detail", "Of " + std::to_string(rows.size()) + " rows below " + count(QualityStatus::kGood) + " are good, " +

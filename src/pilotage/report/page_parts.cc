@@ -140,6 +140,14 @@ std::string lat_lon_dms(GeodeticPoint point) {
   return dms(point.lat_deg, 'N', 'S') + " " + dms(point.lon_deg, 'E', 'W');
 }
 
+std::string page_head_html(const std::string& title, bool with_map) {
+  const auto leaflet_css = [] { return without_source_map(without_files(std::string(page_assets::leaflet_css()))); };
+  return fill_template(page_assets::page_head_html(),
+                       {{"page_title", html_escape(title)},
+                        {"map_style", with_map ? "<style>" + leaflet_css() + "</style>\n" : ""},
+                        {"page_css", std::string(page_assets::page_css())}});
+}
+
 std::string figure_html(const std::string& label, const std::string& value, const std::string& detail,
                         const std::string& mark) {
   return "    <div><dt>" + html_escape(label) + "</dt><dd><b>" + html_escape(value) + "</b> <span>" +
@@ -158,10 +166,6 @@ std::string map_row_html(std::string_view label, const std::vector<MapLayer>& la
 std::string sketch_section_html(const std::string& differs) {
   return fill_template(page_assets::sketch_html(),
                        {{"modelled", kind_mark(NumberKind::kModelled)}, {"differs", html_escape(differs)}});
-}
-
-std::string page_leaflet_css() {
-  return without_source_map(without_files(std::string(page_assets::leaflet_css())));
 }
 
 std::string page_leaflet_js() {

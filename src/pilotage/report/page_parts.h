@@ -46,6 +46,9 @@ std::string lat_lon(GeodeticPoint point);
 /// The same in degrees, minutes and seconds.
 std::string lat_lon_dms(GeodeticPoint point);
 
+/// The beginning of every page, without "</head>": its title (text), the style sheet, and Leaflet's for a map.
+std::string page_head_html(const std::string& title, bool with_map);
+
 /// A key figure of the headline. `mark`: kind_mark() or nothing.
 std::string figure_html(const std::string& label, const std::string& value, const std::string& detail,
                         const std::string& mark = "");
@@ -63,8 +66,7 @@ std::string map_row_html(std::string_view label, const std::vector<MapLayer>& la
 /// its.
 std::string sketch_section_html(const std::string& differs);
 
-/// Leaflet, without what would make a browser ask for another file.
-std::string page_leaflet_css();
+/// Leaflet's script, without what would make a browser ask for another file.
 std::string page_leaflet_js();
 /// A page's scripts, joined in one scope of their own.
 std::string page_script(std::initializer_list<std::string_view> parts);

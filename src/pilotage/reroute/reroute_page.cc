@@ -212,7 +212,8 @@ std::string reroute_to_html(const RerouteResult& result, const std::string& titl
   return fill_template(
       page_assets::reroute_html(),
       {{"title", html_escape(title) + ": another line"},
-       {"page_css", std::string(page_assets::page_css())},
+       {"head", page_head_html(std::string(verdict_name(after.verdict)) + " – " + title + ": another line", false)},
+       {"appearance", std::string(page_assets::page_appearance_html())},
        {"page_js", page_script({page_assets::page_base_js()})},
        {"status", std::string(status_name(after.verdict))},
        {"word", std::string(verdict_name(after.verdict))},

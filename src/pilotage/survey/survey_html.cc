@@ -169,9 +169,9 @@ std::string survey_html(const Survey& survey) {
   return fill_template(
       page_assets::survey_html(),
       {{"title", html_escape(survey.title)},
-       {"leaflet_css", page_leaflet_css()},
+       {"head", page_head_html(survey.go_share + " go – " + survey.title, true)},
+       {"appearance", std::string(page_assets::page_appearance_html())},
        {"leaflet_js", page_leaflet_js()},
-       {"page_css", std::string(page_assets::page_css())},
        {"page_js", page_script({page_assets::page_base_js(),          page_assets::page_state_js(),
                                 page_assets::page_ground_js(),        page_assets::page_canvas_js(),
                                 page_assets::page_grid_js(),          page_assets::page_map_js(),
