@@ -12,7 +12,7 @@ set(judges autopilot_sheet reasons matchability_model read_evaluation select_til
 # Modules in which the word is something else: a surface that is no tile's, a footprint's width, a frame's features.
 set(others_peak judge_by_ncc score_second_epoch)
 set(others_margin ties score_second_epoch world)
-set(others_half_width_px place_ranking displacement_voting frame_on_grid landmark_matching match)
+set(others_half_width_px place_ranking displacement_voting frame_on_grid heading_ranking landmark_matching match)
 set(others_map_features match match_json fix_table)
 set(others_ncc ties warp_problem chip_search match_confidence match_json place_ranking fix_table match)
 set(others_disagreement_m fit_warp score_outputs)

@@ -1,6 +1,8 @@
 #include "pilotage/match/displacement_voting.h"
 
 #include <bit>
+#include <set>
+#include <utility>
 
 #include "match/placed_scene.h"
 #include <gtest/gtest.h>
@@ -183,6 +185,20 @@ TEST(VoteForDisplacements, WithoutFeaturesThereIsNoCandidate) {
   scene.frame.grid.points.descriptors.clear();
   scene.frame.radius_px = 0;
   EXPECT_TRUE(vote_for_displacements(scene.frame, scene.map, scene.space, 30).empty());
+}
+
+TEST(DisplacementVoting, AStrideThinsTheFeaturesThatVote) {
+  const PlacedScene scene = make_placed_scene({{210, 200}, 0, 1});
+  const std::vector<VotePair> all = vote_pairs(scene.frame, scene.map, scene.space);
+  const std::vector<VotePair> third = vote_pairs(scene.frame, scene.map, scene.space, {}, 3);
+  std::set<std::pair<double, double>> places;
+  for (std::size_t i = 0; i < scene.map.features.size(); i += 3) {
+    const Eigen::Vector2d place = place_of(scene.map.features.features[i]);
+    places.emplace(place.x(), place.y());
+  }
+  for (const VotePair& pair : third) EXPECT_EQ(places.count({pair.map_px.x(), pair.map_px.y()}), 1U);
+  EXPECT_GT(third.size(), all.size() / 5);
+  EXPECT_LT(third.size(), all.size() / 2);
 }
 
 }  // namespace

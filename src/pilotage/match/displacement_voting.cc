@@ -100,22 +100,6 @@ void keep_heaviest(std::vector<VotePair>& pairs, std::size_t most) {
   std::erase_if(pairs, [&](const VotePair& pair) { return pair.weight <= first_dropped; });
 }
 
-std::vector<VotePair> similar_pairs(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
-                                    const Checkpoint& checkpoint) {
-  constexpr std::size_t kComparisonsBetweenChecks = 8'000'000;  // some milliseconds
-  const std::size_t points = frame.grid.points.size();
-  const std::size_t stride = vote_stride(frame, map.features.size());
-  const std::size_t together = std::max<std::size_t>(1, kComparisonsBetweenChecks / std::max<std::size_t>(1, points));
-  const HammingIndex index(frame.grid.points);
-  std::vector<VotePair> pairs;
-  for (std::size_t first = 0; first < map.features.size(); first += stride * together) {
-    append_similar_pairs(index, frame, map, {first, stride, together}, space, pairs);
-    pass(checkpoint);
-  }
-  keep_heaviest(pairs, most_vote_pairs(space));
-  return pairs;
-}
-
 /// Evenly spaced values over ± 2 sigma about `middle`, at most `step` apart.
 std::vector<double> hypotheses(double middle, double sigma, double step) {
   const int count = static_cast<int>(std::ceil(2 * sigma / step));
@@ -138,6 +122,22 @@ double search_bins(const PivotedFrame& frame, const SearchSpace& space) {
   return side * side * turns * (2 * std::ceil(2 * space.scale_sigma / step) + 1);
 }
 
+std::vector<VotePair> vote_pairs(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
+                                 const Checkpoint& checkpoint, std::size_t stride) {
+  constexpr std::size_t kComparisonsBetweenChecks = 8'000'000;  // some milliseconds
+  const std::size_t points = frame.grid.points.size();
+  stride = std::max(stride, vote_stride(frame, map.features.size()));
+  const std::size_t together = std::max<std::size_t>(1, kComparisonsBetweenChecks / std::max<std::size_t>(1, points));
+  const HammingIndex index(frame.grid.points);
+  std::vector<VotePair> pairs;
+  for (std::size_t first = 0; first < map.features.size(); first += stride * together) {
+    append_similar_pairs(index, frame, map, {first, stride, together}, space, pairs);
+    pass(checkpoint);
+  }
+  keep_heaviest(pairs, most_vote_pairs(space));
+  return pairs;
+}
+
 std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                                               std::size_t count, const Checkpoint& checkpoint) {
   const double step = kVoteStepPx / std::max(frame.radius_px, 1.0);
@@ -146,7 +146,7 @@ std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const L
   search.half_side_px = space.half_width_px;
   search.yaws_rad = hypotheses(0, space.yaw_sigma_rad, step);
   search.scales = hypotheses(1, space.scale_sigma, step);
-  return vote_peaks(similar_pairs(frame, map, space, checkpoint), search, count, checkpoint);
+  return vote_peaks(vote_pairs(frame, map, space, checkpoint), search, count, checkpoint);
 }
 
 }  // namespace pilotage

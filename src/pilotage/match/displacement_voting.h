@@ -47,6 +47,10 @@ struct SearchSpace {
 std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                                               std::size_t count, const Checkpoint& checkpoint = {});
 
+/// The pairs that vote, of every `stride`-th feature of the map at most, as many as are said above.
+std::vector<VotePair> vote_pairs(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
+                                 const Checkpoint& checkpoint = {}, std::size_t stride = 1);
+
 /// Number of comparisons of descriptors that voting makes at most with `map_features`.
 double vote_comparisons(const PivotedFrame& frame, std::size_t map_features);
 

@@ -81,9 +81,10 @@ FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const C
   return rectified;
 }
 
-PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options, const Checkpoint& checkpoint) {
+PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options, const Checkpoint& checkpoint,
+                      int step_px) {
   PivotedFrame frame;
-  frame.grid = describe_frame_grid(rectified.frame, options, 2, checkpoint);
+  frame.grid = describe_frame_grid(rectified.frame, options, step_px, checkpoint);
   frame.pivot_px = rectified.frame.pixel_from_ground(rectified.pivot_m);
   frame.nadir_px = rectified.frame.pixel_from_ground({0, 0});
   for (const Feature& point : frame.grid.points.features) {

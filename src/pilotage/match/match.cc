@@ -13,6 +13,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/match/frame_on_grid.h"
+#include "pilotage/match/heading_ranking.h"
 #include "pilotage/match/landmark_matching.h"
 #include "pilotage/match/local_map.h"
 #include "pilotage/match/match_confidence.h"
@@ -34,6 +35,7 @@ constexpr double kHeadingStepDeg = 10;
 constexpr double kKnownYawSigmaDeg = 3;
 constexpr double kFoundYawSigmaDeg = 1.5;  // of a heading that a sweep has found
 constexpr std::size_t kHeadingsLookedAtAgain = 3;
+constexpr std::size_t kMostHeadingsSearched = 12;  // of those swept
 
 bool is_inside(double value, double low, double high) {
   return value >= low && value <= high;
@@ -319,8 +321,14 @@ void count_rivals(MatchResult& best, const std::vector<MatchResult>& answers) {
   if (best.fix && is_ambiguous(best.stats)) withdraw_fix(best);
 }
 
-/// Headings are searched one after the other by features alone, the most promising ones again, each about the heading
-/// that was found there, with chips. The best of all is the answer, and the best elsewhere its rival.
+bool has_fix(const std::vector<MatchResult>& answers) {
+  return std::any_of(answers.begin(), answers.end(), [](const MatchResult& answer) { return answer.fix.has_value(); });
+}
+
+/// The headings that a coarse look says most for are searched by features alone until one gives a fix, three at least
+/// and twelve at most; the best ones again, each about the
+/// heading that was found there, with chips. The best of all is the answer, and the best elsewhere its rival. The rate
+/// of false fixes counts all headings: the most that any of all would say is no less than what is found among some.
 /// `map_count`: how many are swept so.
 MatchResult match_by_sweep(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
                            const MatchOptions& options, double map_count, const Checkpoint& checkpoint) {
@@ -330,13 +338,19 @@ MatchResult match_by_sweep(const cv::Mat& frame, const MatchPrior& prior, const 
   about_heading.chips = false;
   about_heading.landmarks = false;
   about_heading.yaw_sigma_deg = kHeadingStepDeg / 4;  // two of them reach the middle between two headings
+  const bool is_ranked = headings_deg.size() > kMostHeadingsSearched;
+  const std::vector<double> headings_searched_deg =
+      !is_ranked ? headings_deg
+                 : promising_headings_deg(frame, prior, camera, map, about_heading, headings_deg, kMostHeadingsSearched,
+                                          checkpoint);
   MatchPrior turned = prior;
   std::vector<MatchResult> found;
-  for (const double heading_deg : headings_deg) {
+  for (const double heading_deg : headings_searched_deg) {
     turned.attitude.yaw_deg = heading_deg;
     MatchResult result = match_heading(frame, turned, camera, map, about_heading, searches, checkpoint);
     // Without a place this is no question of the heading, or only this heading has none.
     if (result.candidate || found.empty()) found.push_back(std::move(result));
+    if (is_ranked && found.size() >= kHeadingsLookedAtAgain && has_fix(found)) break;
   }
   const auto by_evidence = [](const MatchResult& a, const MatchResult& b) {
     return a.stats.vote_peak > b.stats.vote_peak;
