@@ -1,4 +1,4 @@
-"""What all pages have in common: six sizes of text and three weights, no more than twelve controls in sight, nothing beyond the window."""
+"""What all pages have in common: six sizes of text and three weights, no more than twelve controls in sight, nothing beyond the window, no network."""
 
 from acceptance import check
 
@@ -23,6 +23,12 @@ CONTROLS = """return [...document.querySelectorAll('button, input, select, summa
   return box.width > 1 && box.height > 1 && box.bottom > 0 && box.top < window.innerHeight && box.right > 0 && getComputedStyle(node).visibility === 'visible' &&
     !node.disabled && !node.matches('h2 .fold');
 }).map((node) => node.id || node.getAttribute('aria-label') || node.title || node.textContent.trim())"""
+
+
+def asks_for_nothing(page):
+    """Nothing but the page itself was asked for since addresses() was last called."""
+    foreign = [address for address in page.addresses() if not address.startswith(("file:", "data:", "chrome:", "about:"))]
+    check(not foreign, f"the page asks for {foreign}")
 
 
 def design_holds(page, what):

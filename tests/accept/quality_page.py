@@ -9,7 +9,7 @@ import sys
 
 from acceptance import SKIP, check, main, need_gdal, need_sample, run
 from browser import Browser, missing_programs
-from page_design import design_holds, fits_width
+from page_design import asks_for_nothing, design_holds, fits_width
 
 gdal = need_gdal()
 COLOR_OF = """const image = document.querySelector(arguments[0]); const canvas = document.createElement('canvas'); canvas.width = image.naturalWidth;
@@ -65,8 +65,7 @@ def test(pilotage, source, work, rest):
         page.console()
         page.addresses()
         page.open(work / "quality.html")
-        foreign = [address for address in page.addresses() if not address.startswith(("file:", "data:", "chrome:", "about:"))]
-        check(not foreign, f"the page asks for {foreign}")
+        asks_for_nothing(page)
         page_says_the_same(page, done)
         pictures_are_drawn(page, work)
         for scheme in ("light", "dark"):

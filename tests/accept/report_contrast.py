@@ -63,6 +63,15 @@ def judge(page, what, enhanced=False):
     check(not result["violations"], f"{what}:\n" + "\n".join(result["violations"]))
 
 
+def judge_themes(page, what):
+    for theme in ("light", "dark"):
+        choose(page, theme)
+        judge(page, f"{what}, {theme}")
+    choose(page, "sun")
+    judge(page, f"{what}, sunlight", enhanced=True)  # 7 : 1
+    choose(page, "light")
+
+
 def other_pages(page, pilotage, source, work, axe):
     """Of `survey` and `reroute`, on a crop of the sample, as they open and on a phone."""
     if shutil.which("gdal_translate") is None or not (source / "maps/sample/ortho.tif").exists():
@@ -77,13 +86,8 @@ def other_pages(page, pilotage, source, work, axe):
         page.open(work / name)
         page.run(axe + "\nwindow.axe = axe;")
         page.run("document.querySelectorAll('details').forEach((node) => { node.open = true; })")
-        for theme in ("light", "dark"):
-            choose(page, theme)
-            judge(page, f"{name}, {theme}")
-        choose(page, "sun")
-        judge(page, f"{name}, sunlight", enhanced=True)
+        judge_themes(page, name)
         page.resize(390, 844)
-        choose(page, "light")
         judge(page, f"{name} on a phone")
 
 
@@ -98,13 +102,8 @@ def test(pilotage, source, work, rest):
         page.run(axe + "\nwindow.axe = axe;")
         page.run("document.querySelectorAll('details').forEach((node) => { node.open = true; }); document.getElementById('tile-next').click()")
         page.run(REVEAL)
-        for theme in ("light", "dark"):
-            choose(page, theme)
-            judge(page, theme)
-        choose(page, "sun")
-        judge(page, "sunlight", enhanced=True)  # 7 : 1
+        judge_themes(page, "report.html")
         page.resize(820, 1180)
-        choose(page, "light")
         judge(page, "tablet")
         other_pages(page, pilotage, source, work, axe)
         # What axe-core finds must be found: a gray that cannot be read.

@@ -11,7 +11,7 @@ import sys
 
 from acceptance import SKIP, check, main, run
 from browser import Browser, missing_programs
-from page_design import fits_width
+from page_design import asks_for_nothing, fits_width
 
 if missing_programs():
     print(f"skipped: {missing_programs()} not installed: apt-get install chromium chromium-driver")
@@ -75,9 +75,7 @@ def opens_quietly(page, path, report):
     check(not page.run("return navigator.onLine"), "the browser is not cut off")
     page.wait("const image = pilotage.layers.imagery.getElement(); return image.complete && image.naturalWidth > 0",
               "the imagery")
-    foreign = [address for address in page.addresses()
-               if not address.startswith(("file:", "data:", "chrome:", "about:"))]
-    check(not foreign, f"the page asks for {foreign}")
+    asks_for_nothing(page)
     word, answer, sentence, assumed = page.run("""return ['.word', '.answer', '.sentence', '.assumes']
       .map((what) => document.querySelector('.verdict ' + what).textContent)""")
     verdict = report.json["verdict"]

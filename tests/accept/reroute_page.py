@@ -8,7 +8,7 @@ import sys
 
 from acceptance import SKIP, check, main, need_gdal, need_sample, run
 from browser import Browser, missing_programs
-from page_design import design_holds, fits_width
+from page_design import asks_for_nothing, design_holds, fits_width
 
 ROWS = """return Object.fromEntries([...document.querySelectorAll('#lines tr')].map((row) =>
   [row.cells[0].textContent, [...row.cells].slice(1).map((cell) => cell.textContent)]))"""
@@ -30,8 +30,7 @@ def test(pilotage, source, work, rest):
         page.addresses()
         page.resize(1440, 900)
         page.open(work / "better.html")
-        foreign = [address for address in page.addresses() if not address.startswith(("file:", "data:", "chrome:", "about:"))]
-        check(not foreign, f"the page asks for {foreign}")
+        asks_for_nothing(page)
         check(page.run("return document.querySelector('.word').textContent") == done["new"]["verdict"], "another verdict than the file's")
         answer, planned, rest = (page.run("return document.querySelector(arguments[0]).textContent", name)
                                  for name in (".answer", "#planned", ".because-below .sentence"))
@@ -40,8 +39,8 @@ def test(pilotage, source, work, rest):
         length = page.run(ROWS)["Length"]
         wanted = [f"{done[line]['length_m'] / 1000:.2f} km" for line in ("planned", "new")]
         check(length[:2] == wanted, f"lengths are {length}, not {wanted}")
-        map_m = page.run("const box = document.querySelector('svg.lines').getBoundingClientRect(); return [box.top, box.bottom]")
-        check(map_m[0] < 450 and map_m[1] > 600, f"the map reaches from {map_m[0]} to {map_m[1]} px")
+        map_px = page.run("const box = document.querySelector('svg.lines').getBoundingClientRect(); return [box.top, box.bottom]")
+        check(map_px[0] < 450 and map_px[1] > 600, f"the map reaches from {map_px[0]} to {map_px[1]} px")
         design_holds(page, "reroute's page on a desktop")
         for scheme in ("light", "dark"):
             page.prefer(scheme)

@@ -13,7 +13,7 @@ import zipfile
 
 from acceptance import SKIP, check, main, need_gdal, need_sample, run
 from browser import Browser, missing_programs
-from page_design import fits_width
+from page_design import asks_for_nothing, fits_width
 
 gdal = need_gdal()
 COLORS = {"go": "#0072b2", "marginal": "#e69f00", "no-go": "#d5008a"}
@@ -113,8 +113,7 @@ def page_says_the_same(page, survey, path):
     page.addresses()
     page.open(path)
     page.wait("const image = pilotage.layers.imagery.getElement(); return image.complete && image.naturalWidth > 0", "the imagery")
-    foreign = [address for address in page.addresses() if not address.startswith(("file:", "data:", "chrome:", "about:"))]
-    check(not foreign, f"the page asks for {foreign}")
+    asks_for_nothing(page)
     told = page.run("return document.querySelector('.verdict').textContent")
     for said in [survey.json["headline"], survey.json["detail"], survey.json["not_looked_at"], *survey.json["assumptions"]]:
         check(said[1:] in told, f"under the headline is not said: {said}")

@@ -145,13 +145,18 @@ Share frames_as_paper(const Comparison& comparison, const PaperMethod& first, co
   return share;
 }
 
-// "13 of 13 frames: as the paper"; a pair of methods is told apart where the share's interval leaves out one half.
+/// Whether the frames say the opposite of the paper: a pair of methods is told apart where the share's interval leaves
+/// out one half.
+bool is_reversed(const Share& share) {
+  return share.interval().high < 0.5;
+}
+
+// "13 of 13 frames: as the paper".
 std::string as_paper_text(const Share& share) {
   if (share.of == 0) return "no frame in which they differ";
-  const Interval interval = share.interval();
-  const char* const words = interval.low > 0.5    ? "as the paper"
-                            : interval.high < 0.5 ? "the other way round"
-                                                  : "not told apart";
+  const char* const words = share.interval().low > 0.5 ? "as the paper"
+                            : is_reversed(share)       ? "the other way round"
+                                                       : "not told apart";
   return std::to_string(share.count) + " of " + std::to_string(share.of) + " frames: " + words;
 }
 
@@ -210,7 +215,7 @@ std::string beside_paper_times(const Comparison& comparison, const std::vector<M
     text += row({first.title + " (" + format_fixed(first.paper.time_s, 2) + " s) than " + second.title + " (" +
                      format_fixed(second.paper.time_s, 2) + " s)",
                  as_paper_text(both), as_paper_text(alone)});
-    if (alone.of > 0 && alone.interval().high < 0.5) {
+    if (is_reversed(alone)) {
       reasons += "- " + parts_of_times(summaries[first.index], summaries[second.index]) + ".\n";
     }
   }
@@ -229,7 +234,7 @@ std::string beside_paper_best(const Comparison& comparison, const std::vector<Pa
     text += row({first.title + " (" + std::to_string(first.paper.best_right) + ") than " + second.title + " (" +
                      std::to_string(second.paper.best_right) + ")",
                  as_paper_text(share)});
-    other_way = other_way || (share.of > 0 && share.interval().high < 0.5);
+    other_way = other_way || is_reversed(share);
   }
   text += "\nThe paper's ten and nine right matches of one pair of images are not told apart either.\n";
   if (other_way && !raw) {

@@ -17,8 +17,6 @@
 namespace pilotage {
 namespace {
 
-constexpr double kBytesOfMib = 1 << 20;
-
 /// How far the highest bin stands above the others, in standard deviations of votes of chance; 0 without votes.
 double height_of_peak(const std::vector<double>& bins) {
   const double mean = std::accumulate(bins.begin(), bins.end(), 0.0) / static_cast<double>(bins.size());
@@ -76,7 +74,7 @@ std::optional<CoarseMap> read_coarse_map(const cv::Mat& frame, const MatchPrior&
                                          const PivotedFrame& described, const Checkpoint& checkpoint) {
   const FeatureOptions& features = map.features();
   const double left_bytes =
-      options.max_memory_mib * kBytesOfMib - bytes_to_rectify(frame) - bytes_to_describe(rectified, features);
+      options.max_memory_mib * kMib - bytes_to_rectify(frame) - bytes_to_describe(rectified, features);
   const double most = std::min(std::max(0.0, left_bytes) / bytes_of_map_feature(features), 1e9);
   CoarseMap coarse;
   coarse.window_px = rectified.half_width_px + rectified.px_from_m(rectified.pivot_m).norm() + described.radius_px;

@@ -28,7 +28,6 @@ namespace {
 
 constexpr double kMaxSearchBins = 1e9;
 constexpr double kMaxComparisons = 2e10;
-constexpr double kMib = 1 << 20;
 constexpr double kHeadingStepDeg = 10;
 /// Up to this σ of yaw one search is enough: turns of two σ are within what upright descriptors tolerate. Above it
 /// headings are swept.

@@ -10,6 +10,9 @@ namespace pilotage {
 // Bytes that the steps of a search take at most, estimated from above: what is allocated, and what vectors reserve
 // beyond it while they grow. Chips: chip_comparison_bytes().
 
+/// Of MatchOptions::max_memory_mib, in bytes.
+inline constexpr double kMib = 1 << 20;
+
 /// To rectify a frame twice, for features and for chips.
 double bytes_to_rectify(const cv::Mat& frame);
 

@@ -209,14 +209,16 @@ std::string reroute_to_html(const RerouteResult& result, const std::string& titl
   const RerouteLine& before = result.before;
   const RerouteLine& after = result.after;
   const std::vector<LineFigure> figures = line_figures(before, after);
+  const std::string word(verdict_name(after.verdict));
+  const std::string heading = title + ": another line";
   return fill_template(
       page_assets::reroute_html(),
-      {{"title", html_escape(title) + ": another line"},
-       {"head", page_head_html(std::string(verdict_name(after.verdict)) + " – " + title + ": another line", false)},
+      {{"title", html_escape(heading)},
+       {"head", page_head_html(word + " – " + heading, false)},
        {"appearance", std::string(page_assets::page_appearance_html())},
        {"page_js", page_script({page_assets::page_base_js()})},
        {"status", std::string(status_name(after.verdict))},
-       {"word", std::string(verdict_name(after.verdict))},
+       {"word", word},
        {"answer", html_escape(capitalized(after.headline)) + "."},
        {"rest", html_escape(after.verdict_detail)},
        {"planned", (result.found_go ? "" : "<b>No line was found that is GO; this is the best one.</b> ") +
