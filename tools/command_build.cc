@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "map_delta_result.h"
 #include "map_size.h"
 #include "sign_key_options.h"
 #include "stage_files.h"
@@ -41,8 +42,7 @@ struct BuildCommandOptions {
     PurposeOptions::describe(self.purpose, fields);
     fields.path("second_epoch", self.second_epoch,
                 "Imagery of the same ground at another date, for keep_features; give what `score` was given.");
-    fields.path("update", self.update,
-                "The map that is there: also write what turns it into the new one (NEW.delta, for `pilotage update`).");
+    fields.path("update", self.update, kUpdateHelp);
     fields.group("registration", self.registration, "How the second date is brought onto the reference.");
   }
 };
@@ -70,46 +70,6 @@ std::string landmarks_text(const BuildStats& stats) {
   if (stats.detectors == 0) return {};
   return std::to_string(stats.landmarks) + " landmarks of " + std::to_string(stats.detectors) +
          (stats.detectors == 1 ? " class\n" : " classes\n");
-}
-
-// Before the work: the map must be one, and the new one not older by its own word.
-void require_map_to_update(const std::string& path, const MapPurpose& purpose) {
-  need_file(path, "build` or `pilotage prepare");
-  static_cast<void>(difference_of_maps(path, path));  // whatever cannot be read of it is said now
-  const auto version = MapReader::open_unverified(path).purpose().map_version;
-  if (!version) return;
-  if (!purpose.map_version || *purpose.map_version <= *version) {
-    throw UsageError("--update: " + path + " is map version " + std::to_string(*version) +
-                     "; give a larger --map-version" +
-                     (purpose.map_version ? " than " + std::to_string(*purpose.map_version) : ""));
-  }
-}
-
-void sign_delta(const std::filesystem::path& delta, const std::filesystem::path& signature,
-                const std::string& secret_key, SignOptions sign) {
-  sign.signature_path = signature;
-  sign.chunk_list_path = std::nullopt;
-  sign.chunk_list_above_bytes = kNoChunkList;
-  sign_file(delta, secret_key, sign);
-}
-
-void add_update(const std::string& old_map, const std::filesystem::path& delta,
-                const std::optional<MapDifference>& difference, CommandResult& result) {
-  const auto bytes = std::filesystem::file_size(delta);
-  result.text += "delta: " + delta.string() + ", " + format_fixed(static_cast<double>(bytes) / 1e6, 2) + " MB from " +
-                 old_map + "; ";
-  result.json["delta"] = {{"output", delta.string()}, {"bytes", bytes}};
-  if (!difference) {
-    result.text += "the grid is another one, so no tile is the same\n";
-    return;
-  }
-  result.text += "tiles: " + std::to_string(difference->same) + " the same, " + std::to_string(difference->changed) +
-                 " changed, " + std::to_string(difference->added) + " new, " + std::to_string(difference->removed) +
-                 " gone\n";
-  result.json["delta"]["tiles"] = {{"same", difference->same},
-                                   {"changed", difference->changed},
-                                   {"added", difference->added},
-                                   {"removed", difference->removed}};
 }
 
 }  // namespace
@@ -157,7 +117,10 @@ Command make_build_command() {
     OutputFile chunk_list(chunk_list_path_of(invocation.output), invocation.overwrite);
     OutputFile delta(map_delta_path_of(invocation.output), invocation.overwrite);
     OutputFile delta_signature(signature_path_of(delta.destination()), invocation.overwrite);
-    if (!options.update.empty()) require_map_to_update(options.update, purpose);
+    if (!options.update.empty()) {
+      need_file(options.update, "build` or `pilotage prepare");
+      check_map_to_update(options.update, purpose);
+    }
     const BuildStats stats =
         build_map(map.temporary_path(), files.mission, files.scores, files.selection, inputs_of(files.mission, options),
                   version_line(), options.build, true, invocation.threads, invocation.progress,
@@ -172,7 +135,9 @@ Command make_build_command() {
       write_map_delta(delta.temporary_path(), options.update, map.temporary_path(),
                       sign_key ? std::optional(signature.temporary_path()) : std::nullopt,
                       has_list ? std::optional(chunk_list.temporary_path()) : std::nullopt, invocation.progress);
-      if (sign_key) sign_delta(delta.temporary_path(), delta_signature.temporary_path(), *sign_key, sign);
+      if (sign_key) {
+        sign_whole_file(delta.temporary_path(), delta_signature.temporary_path(), *sign_key, sign);
+      }
     }
     for (const auto& [output, is_written] :
          {std::pair(&delta, updates), std::pair(&delta_signature, updates && sign_key.has_value())}) {
@@ -215,7 +180,7 @@ Command make_build_command() {
       result.text += "chunks: " + chunk_list.destination().string() + "\n";
       result.json["chunk_list"] = chunk_list.destination().string();
     }
-    if (updates) add_update(options.update, delta.destination(), difference, result);
+    if (updates) add_map_delta(options.update, delta.destination(), difference, result);
     return result;
   });
   return command;

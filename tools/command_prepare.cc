@@ -1,9 +1,12 @@
 #include "commands.h"
+#include "map_delta_result.h"
 #include "map_size.h"
 #include "sign_key_options.h"
+#include "stage_files.h"
 #include "version.h"
 
 #include "pilotage/base/text.h"
+#include "pilotage/mapdb/map_delta.h"
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/prepare/prepare.h"
 
@@ -13,11 +16,13 @@ namespace {
 struct PrepareCommandOptions {
   PrepareOptions prepare;
   SignKeyOptions signing;
+  std::string update;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     PrepareOptions::describe(self.prepare, fields);
     SignKeyOptions::describe(self.signing, fields);
+    fields.path("update", self.update, kUpdateHelp);
   }
 };
 
@@ -48,9 +53,12 @@ Command make_prepare_command() {
   bind_options<PrepareCommandOptions>(command, [](const PrepareCommandOptions& given, const Invocation& invocation) {
     const PrepareOptions& options = given.prepare;
     const SignKeyOptions& signing = given.signing;
-    const PrepareRun run{
-        invocation.output, invocation.overwrite,         invocation.seed, invocation.threads, version_line(),
-        signing.sign_key,  checked_sign_options(signing)};
+    PrepareRun run{invocation.output, invocation.overwrite,         invocation.seed, invocation.threads, version_line(),
+                   signing.sign_key,  checked_sign_options(signing)};
+    if (!given.update.empty()) {
+      need_file(given.update, "build` or `pilotage prepare");
+      run.update = given.update;
+    }
     const PrepareResult done = prepare(options, run, invocation.progress);
     CommandResult result;
     const std::string folder = invocation.output;
@@ -83,6 +91,10 @@ Command make_prepare_command() {
     if (!done.holds.empty()) result.json["holds"] = done.holds;
     add_bytes_per_tile(done.map, result.json);
     add_kept_features(done.map, result.json);
+    if (run.update) {
+      add_map_delta(given.update, std::filesystem::path(folder) / map_delta_path_of("map.gpkg"), done.difference,
+                    result);
+    }
     result.warnings = done.warnings;
     if (options.select.require && !done.meets_gate) result.exit_code = kExitGateNotMet;
     return result;

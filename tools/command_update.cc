@@ -17,7 +17,7 @@ Command make_update_command() {
   command.word = "update";
   command.group = CommandGroup::kInspect;
   command.summary = "Make a newer map database out of an older one and a delta";
-  command.examples = {{"What `build --update` made, with its signature checked.",
+  command.examples = {{"What `--update` of build or prepare made, with its signature checked.",
                        "pilotage update map.gpkg new.gpkg.delta -o updated.gpkg --public-key key.pub"}};
   command.inputs = {.name = "MAP DELTA", .help = "The map database that is there, and the delta.", .min = 2, .max = 2};
   command.output = {.kind = OutputKind::kFile,
@@ -29,7 +29,7 @@ Command make_update_command() {
     const std::string& old_map = invocation.inputs[0];
     const std::string& delta = invocation.inputs[1];
     need_file(old_map, "build` or `pilotage prepare");
-    need_file(delta, "build --update");
+    need_file(delta, "build --update` or `pilotage prepare --update");
     const TrustedKeys trusted = checked_keys_of(options);
     if (options.signature) throw UsageError("--signature: those of a delta and of its map have their places");
     MapUpdateOptions update;

@@ -33,6 +33,33 @@ void keep_features(TileDescriptors& tile, int count) {
   if (!tile.ground_height_m.empty()) tile.ground_height_m.resize(static_cast<std::size_t>(count));
 }
 
+/// The same ground without its westernmost tiles: the grid begins a tile further east, and all numbers are others.
+SmallMap without_first_column(const SmallMap& map) {
+  SmallMap rest = map;
+  rest.tiles.clear();
+  rest.values.clear();
+  rest.descriptors.clear();
+  rest.chips.clear();
+  TileMatrix& matrix = rest.header.levels.front().matrix;
+  matrix.map_from_pixel = matrix.map_from_pixel.shifted(matrix.stride_px, 0);
+  matrix.grid_width_px -= matrix.stride_px;
+  for (std::size_t i = 0; i < map.tiles.size(); ++i) {
+    if (map.tiles[i].column == 0) continue;
+    const auto number = static_cast<std::int64_t>(rest.tiles.size());
+    rest.tiles.push_back(map.tiles[i]);
+    rest.tiles.back().tile_id = number;
+    rest.tiles.back().column -= 1;
+    rest.values.push_back(map.values[i]);
+    rest.descriptors.push_back(map.descriptors[i]);
+    rest.descriptors.back().tile_id = number;
+    rest.descriptors.back().window.col -= matrix.stride_px;
+    rest.chips.push_back(map.chips[i]);
+    rest.chips.back().tile_id = number;
+    rest.chips.back().window.col -= matrix.stride_px;
+  }
+  return rest;
+}
+
 /// An old map, and a new one with another feature in one tile.
 class MapDelta : public ::testing::Test {
  protected:
@@ -256,11 +283,43 @@ TEST_F(MapDelta, TilesAreCountedByWhatIsStoredOfThem) {
   EXPECT_EQ(difference->added, 0);
   EXPECT_EQ(difference->removed, 0);
   EXPECT_EQ(difference->same, 6 * 2 * 2 - 1);
-  SmallMapOptions elsewhere;
-  elsewhere.columns = 6;
-  elsewhere.west_m += 64;
-  testing::write_map(new_, testing::make_small_map(elsewhere), true);
-  EXPECT_FALSE(difference_of_maps(old_, new_)) << "numbers mean other places";
+}
+
+TEST_F(MapDelta, TilesAreTheSameByPlaceWhateverTheirNumbers) {
+  SmallMapOptions options;
+  options.columns = 6;
+  options.levels = 1;
+  const SmallMap map = testing::make_small_map(options);
+  testing::write_map(old_, map, true);
+  testing::write_map(new_, without_first_column(map), true);
+  const auto difference = difference_of_maps(old_, new_);
+  ASSERT_TRUE(difference);
+  EXPECT_EQ(difference->same, 5 * 2);
+  EXPECT_EQ(difference->changed, 0);
+  EXPECT_EQ(difference->added, 0);
+  EXPECT_EQ(difference->removed, 2);
+  const auto back = difference_of_maps(new_, old_);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->added, 2);
+  EXPECT_EQ(back->removed, 0);
+  options.tile_size_px /= 2;
+  testing::write_map(new_, testing::make_small_map(options), true);
+  EXPECT_EQ(difference_of_maps(old_, new_)->same + difference_of_maps(old_, new_)->changed, 0) << "of another size";
+  options.northern_hemisphere = true;
+  testing::write_map(new_, testing::make_small_map(options), true);
+  EXPECT_FALSE(difference_of_maps(old_, new_)) << "another CRS";
+}
+
+TEST_F(MapDelta, AMapToUpdateIsReadBeforeTheWork) {
+  MapPurpose purpose;
+  purpose.map_version = 2;
+  check_map_to_update(old_, purpose);
+  purpose.map_version = 1;
+  EXPECT_THAT(error_of<UsageError>([&] { check_map_to_update(old_, purpose); }),
+              HasSubstr("is map version 1; give a larger --map-version than 1"));
+  EXPECT_THAT(error_of<UsageError>([&] { check_map_to_update(old_, {}); }), HasSubstr("give a larger --map-version"));
+  testing::overwrite(old_, "no map");
+  EXPECT_THROW(check_map_to_update(old_, purpose), DataError);
 }
 
 // Larger than a window, with everything moved by what came before it: the right part of the old map is found.

@@ -17,7 +17,7 @@ Selection make_selection() {
   selection.gaps = {{1, 100.1, 1e6 / 3, 12.5, 61.25, false, 0.125}, {2, 0, 1, 2, 3, true}};
   selection.legs = {{0, 812.3456789012345, 0.1, 9.5, true, 0.9, 1.0 / 7}, {1, 5, 1.0 / 3, 70, false}};
   selection.error_profile = {{0, 9, true, 0.75, 1}, {10, 9.1, false}};
-  selection.probability = RouteProbability{0.875, 0.9, 12.5, 0.002, WorstStretch{1, 100, 2000.5, 0.0625}, {}};
+  selection.probability = RouteProbability{0.875, 0.9, 12.5, 0.002, WorstStretch{1, 100, 2000.5, 0.0625}, {}, 0, 9.5};
   selection.advice = {{1, AdviceSide::kLeft, 45.5, 0.25, 0.96, true}, {2, AdviceSide::kNone, 0, 0.5, 0.5, false}};
   selection.matchable_fraction = 2.0 / 3;
   selection.max_error_m = 50;
@@ -45,6 +45,7 @@ TEST(SelectionFile, ReadsBackExactly) {
   EXPECT_EQ(read.error_profile[0].p_correct_fix, 0.75);
   ASSERT_TRUE(read.probability && read.probability->worst);
   EXPECT_EQ(read.probability->worst->to_distance_m, 2000.5);
+  EXPECT_EQ(read.probability->level_age_months, 9.5);
   EXPECT_EQ(read.advice[0].side, AdviceSide::kLeft);
   ASSERT_TRUE(read.tries);
   EXPECT_EQ(read.tries->interval_s, 1.0 / 3);

@@ -36,7 +36,7 @@ Mission over_imagery_of(const std::string& acquired, const std::string& flight_t
 TEST(ImageryAge, IsNotSaidWithoutATimeOfTheFlight) {
   EXPECT_FALSE(imagery_age(over_imagery_of("2023-06-14", "")));
   EXPECT_TRUE(imagery_age_rows(over_imagery_of("2023-06-14", "")).empty());
-  EXPECT_EQ(imagery_age_assumptions(over_imagery_of("2023-06-14", "")), "");
+  EXPECT_EQ(imagery_age_assumptions(over_imagery_of("2023-06-14", ""), false), "");
   EXPECT_EQ(imagery_age_html(std::nullopt), "");
   EXPECT_THROW(imagery_age(over_imagery_of("2023-06-14", "tomorrow")), DataError);
 }
@@ -122,22 +122,33 @@ TEST(ImageryAge, AFlightByNightIsNoGo) {
 }
 
 TEST(ImageryAge, OfImageryWithoutAFlightIsToldAlike) {
-  const auto phrase = [](const std::string& acquired, const std::string& flight_time) {
-    return imagery_age_phrase(
-        imagery_age(over_imagery_of(acquired, "").ground.imagery.datasets, {10, 50}, flight_time));
+  const auto phrase = [](const std::string& acquired, const std::string& flight_time, bool counted = true) {
+    return imagery_age_phrase(imagery_age(over_imagery_of(acquired, "").ground.imagery.datasets, {10, 50}, flight_time),
+                              counted);
   };
   EXPECT_EQ(phrase("2024-03-20", "2026-07-01"),
-            "imagery 27 months old, 3 months apart in season (the default P(correct fix) counts the age by a rule of "
-            "thumb, not "
+            "imagery 27 months old, 3 months apart in season (P(correct fix) counts the age by a rule of thumb, not "
             "the season)");
+  EXPECT_EQ(phrase("2024-03-20", "2026-07-01", false),
+            "imagery 27 months old, 3 months apart in season (P(correct fix) counts neither)");
   EXPECT_EQ(phrase("2026-09-20", "2026-07-01"),
-            "imagery 3 months younger than the flight (the default P(correct fix) counts the age by a rule of thumb, "
+            "imagery 3 months younger than the flight (P(correct fix) counts the age by a rule of thumb, "
             "not the season)");
   EXPECT_EQ(phrase("", "2026-07-01"), "imagery of unknown age, which P(correct fix) does not count");
   ImageryAge half = imagery_age(over_imagery_of("2024-03-20", "2026-07-01")).value();
   half.datasets.emplace_back().dataset = "other.tif";
-  EXPECT_THAT(imagery_age_phrase(half), HasSubstr("counts neither, as of some imagery the date is not known"));
+  EXPECT_THAT(imagery_age_phrase(half, false), HasSubstr("counts neither; of some imagery the date is not known)"));
   EXPECT_THROW(phrase("2024-03-20", "tomorrow"), UsageError);
+}
+
+TEST(ImageryAge, IsSaidToBeCountedWhereTheSelectionCountsIt) {
+  const Mission mission = over_imagery_of("2025-04-01", "2026-03-20");
+  Selection selection;
+  selection.probability.emplace();
+  EXPECT_THAT(assumptions_line(mission, selection), HasSubstr("(P(correct fix) counts neither)"));
+  selection.probability->level_age_months = 11.6;
+  EXPECT_THAT(assumptions_line(mission, selection),
+              HasSubstr("(P(correct fix) counts the age by a rule of thumb, not the season)"));
 }
 
 TEST(ImageryAge, CloudsAreSaidBesideTheVerdict) {
@@ -147,12 +158,8 @@ TEST(ImageryAge, CloudsAreSaidBesideTheVerdict) {
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[1].value, "35 % of the time, by clouds.csv");
   EXPECT_EQ(rows[1].status, QualityStatus::kMarginal);
-  EXPECT_THAT(
-      assumptions_line(mission, {}),
-      HasSubstr(
-          ", imagery 12 months old, 0 months apart in season (the default P(correct fix) counts the age by a rule of "
-          "thumb, not the season), ground in "
-          "sight (it is hidden 35 % of the time)"));
+  EXPECT_THAT(assumptions_line(mission, {}), HasSubstr(", imagery 12 months old, 0 months apart in season, ground in "
+                                                       "sight (it is hidden 35 % of the time)"));
   mission.flight.ground_hidden->fraction = 0.1;
   EXPECT_EQ(imagery_age_rows(mission)[1].status, QualityStatus::kGood);
 }

@@ -57,6 +57,7 @@ TEST(RouteAgeing, IsWhatIsPlannedOnALaterDay) {
   const auto ageing = age_route(mission, scores, selection);
   ASSERT_TRUE(ageing);
   ASSERT_EQ(ageing->ages.size(), 5u);
+  EXPECT_EQ(selection.probability->level_age_months, kYear_months);
   EXPECT_EQ(ageing->ages.front().p_within_limit, selection.probability->p_within_limit);
   double before = 1;
   for (const ChancesAtAge& at : ageing->ages) {
@@ -68,6 +69,17 @@ TEST(RouteAgeing, IsWhatIsPlannedOnALaterDay) {
     before = at.p_within_limit;
   }
   EXPECT_NEAR(ageing->ages.back().age_months, kYear_months + 48, 1e-9);
+}
+
+TEST(RouteAgeing, GroundWithoutFeaturesHasNoLevelAndHidesNoAge) {
+  const Mission mission = dated_mission("2025-01-01", "2026-01-01");
+  std::vector<TileScores> scores = scores_at(mission, kYear_months);
+  scores[0].p_correct_fix = 0;
+  scores[0].level_sigma = scores[0].level_age_months = kNaN;
+  const std::vector<bool> all(scores.size(), true);
+  EXPECT_EQ(counted_age_months(scores, all), kYear_months);
+  scores[0].p_correct_fix = 0.5;
+  EXPECT_FALSE(counted_age_months(scores, all)) << "of a model that does not count it";
 }
 
 TEST(RouteAgeing, FindsTheAgeAtWhichItIsJustEnough) {

@@ -16,6 +16,7 @@
 #include "pilotage/base/read_file.h"
 #include "pilotage/mapdb/byte_order.h"
 #include "pilotage/mapdb/map_delta_format.h"
+#include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mapdb/map_schema.h"
 #include "pilotage/mapdb/sqlite.h"
 #include "pilotage/mapdb/trusted_signature.h"
@@ -131,35 +132,40 @@ void append_digest(std::vector<std::uint8_t>& bytes, const std::string& hex) {
   }
 }
 
-/// "level, tile" → what is stored of it.
-using TileDigests = std::map<std::pair<std::int64_t, std::int64_t>, std::string>;
+/// Where a tile lies and in what pixels → what is stored of it, without its number and its place in the grid: a grid
+/// that begins elsewhere at whole tiles has the same ones.
+using StoredTiles = std::map<std::string, std::string>;
 
-TileDigests tile_digests(const Database& map) {
-  TileDigests digests;
-  for (const char* table : {"pilotage_descriptors", "pilotage_chips"}) {
+StoredTiles stored_tiles(const Database& map) {
+  StoredTiles stored;
+  for (const auto& [table, columns] :
+       {std::pair("pilotage_descriptors",
+                  "s.descriptor_bytes || ' ' || quote(s.ground_base_m), s.keypoints, s.descriptors"),
+        std::pair("pilotage_chips", "s.encoding, s.data, x''")}) {
     if (map.query_integer(std::string("SELECT count(*) FROM sqlite_schema WHERE name = '") + table + "'") == 0)
       continue;
-    Statement rows =
-        map.prepare(std::string("SELECT level, tile_id, digest FROM ") + table + " ORDER BY level, tile_id", table);
+    Statement rows = map.prepare(
+        std::string("SELECT format('%.6f %.6f %d ', t.min_x_m, t.min_y_m, l.tile_size_px) || quote(l.gsd_m), "
+                    "s.window_width_px || ' ' || s.window_height_px || ' ' || ") +
+            columns + " FROM " + table + " s JOIN tiles t USING (tile_id) JOIN pilotage_levels l ON l.level = s.level",
+        table);
     while (rows.step()) {
-      const auto digest = rows.blob(2);
-      digests[{rows.integer(0), rows.integer(1)}].append(digest.begin(), digest.end());
+      std::string& of_tile = stored[std::string(rows.text(0))];
+      of_tile.append(rows.text(1));
+      for (const int column : {2, 3}) {
+        const auto bytes = rows.blob(column);
+        of_tile.append(bytes_digest({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+      }
     }
   }
-  return digests;
+  return stored;
 }
 
-/// CRS and levels, as text.
-std::string grid_of(const Database& map) {
-  std::string grid;
-  for (const char* sql : {"SELECT srs_id, definition FROM gpkg_spatial_ref_sys ORDER BY srs_id",
-                          "SELECT level, quote(gsd_m) || quote(origin_x) || quote(x_per_col) || quote(x_per_row) || "
-                          "quote(origin_y) || quote(y_per_col) || quote(y_per_row) || ',' || tile_size_px || ',' || "
-                          "stride_px || ',' || grid_width_px FROM pilotage_levels ORDER BY level"}) {
-    Statement rows = map.prepare(sql, "the grid");
-    while (rows.step()) grid += std::to_string(rows.integer(0)) + " " + std::string(rows.text(1)) + "\n";
-  }
-  return grid;
+std::string crs_of(const Database& map) {
+  Statement rows = map.prepare("SELECT srs_id, definition FROM gpkg_spatial_ref_sys ORDER BY srs_id", "the CRS");
+  std::string crs;
+  while (rows.step()) crs += std::to_string(rows.integer(0)) + " " + std::string(rows.text(1)) + "\n";
+  return crs;
 }
 
 }  // namespace
@@ -167,20 +173,29 @@ std::string grid_of(const Database& map) {
 std::optional<MapDifference> difference_of_maps(const fs::path& old_map, const fs::path& new_map) {
   const Database before = Database::open_untrusted(old_map, kMaxMapBlobBytes);
   const Database after = Database::open_untrusted(new_map, kMaxMapBlobBytes);
-  if (grid_of(before) != grid_of(after)) return std::nullopt;
-  const TileDigests old_tiles = tile_digests(before);
-  const TileDigests new_tiles = tile_digests(after);
+  if (crs_of(before) != crs_of(after)) return std::nullopt;
+  const StoredTiles old_tiles = stored_tiles(before);
+  const StoredTiles new_tiles = stored_tiles(after);
   MapDifference difference;
-  for (const auto& [tile, digest] : new_tiles) {
+  for (const auto& [tile, stored] : new_tiles) {
     const auto found = old_tiles.find(tile);
     if (found == old_tiles.end()) {
       ++difference.added;
     } else {
-      ++(found->second == digest ? difference.same : difference.changed);
+      ++(found->second == stored ? difference.same : difference.changed);
     }
   }
   difference.removed = static_cast<std::int64_t>(old_tiles.size()) - difference.same - difference.changed;
   return difference;
+}
+
+void check_map_to_update(const fs::path& old_map, const MapPurpose& purpose) {
+  const auto version = MapReader::open_unverified(old_map).purpose().map_version;
+  stored_tiles(Database::open_untrusted(old_map, kMaxMapBlobBytes));
+  if (!version || (purpose.map_version && *purpose.map_version > *version)) return;
+  throw UsageError("--update: " + old_map.string() + " is map version " + std::to_string(*version) +
+                   "; give a larger --map-version" +
+                   (purpose.map_version ? " than " + std::to_string(*purpose.map_version) : ""));
 }
 
 void write_map_delta(const fs::path& path, const fs::path& old_map, const fs::path& new_map,

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "pilotage/base/progress.h"
+#include "pilotage/mapdb/map_purpose.h"
 
 #pragma GCC visibility push(default)
 
@@ -18,10 +19,14 @@ struct MapDifference {
   std::int64_t removed = 0;
 };
 
-/// Compares the tiles of two maps by number and digest. Nothing when their grids are not the same, so that numbers mean
-/// other places. Throws DataError when one cannot be read.
+/// Compares the tiles of two maps by place, pixels and what is stored of them. Nothing when their CRS is not the same.
+/// Throws DataError when one cannot be read.
 std::optional<MapDifference> difference_of_maps(const std::filesystem::path& old_map,
                                                 const std::filesystem::path& new_map);
+
+/// Before the work: throws DataError when the old map cannot be read, UsageError when a new one of this purpose would
+/// not be later by its own word (docs/decisions/map-updates.md).
+void check_map_to_update(const std::filesystem::path& old_map, const MapPurpose& purpose);
 
 /// Writes the delta that makes `new_map` out of `old_map` (update_map in mapdb/map_delta.h), with the new map's
 /// signature and list of chunks where they are given. The same maps give the same bytes. Throws DataError when one

@@ -110,4 +110,12 @@ SignatureFiles sign_file(const fs::path& path, const fs::path& secret_key_path, 
   return {signature_file.destination(), list_file.destination()};
 }
 
+void sign_whole_file(const fs::path& path, const fs::path& signature, const fs::path& secret_key_path,
+                     SignOptions options) {
+  options.signature_path = signature;
+  options.chunk_list_path = std::nullopt;
+  options.chunk_list_above_bytes = kNoChunkList;
+  sign_file(path, secret_key_path, options);
+}
+
 }  // namespace pilotage

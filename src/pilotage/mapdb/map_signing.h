@@ -46,6 +46,10 @@ void check_secret_key(const std::filesystem::path& secret_key_path, const std::o
 SignatureFiles sign_file(const std::filesystem::path& path, const std::filesystem::path& secret_key_path,
                          const SignOptions& options = {});
 
+/// The same of a file that is always read whole, so that it has no list of chunks; its signature goes to `signature`.
+void sign_whole_file(const std::filesystem::path& path, const std::filesystem::path& signature,
+                     const std::filesystem::path& secret_key_path, SignOptions options);
+
 }  // namespace pilotage
 
 #pragma GCC visibility pop

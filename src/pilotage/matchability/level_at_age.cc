@@ -52,7 +52,7 @@ void move_to_age(TileScores& score, double age_months) {
 std::optional<double> counted_age_months(const std::vector<TileScores>& scores, const std::vector<bool>& counts) {
   std::optional<double> age_months;
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    if (!counts[i] || std::isnan(scores[i].p_correct_fix)) continue;
+    if (!counts[i] || !(scores[i].p_correct_fix > 0)) continue;  // ground without features has no level
     const double of_tile = scores[i].level_age_months;
     if (!counts_age(scores[i])) return std::nullopt;
     if (age_months && *age_months != of_tile) {

@@ -37,8 +37,9 @@ LevelMove move_level(double sigma, double from_months, double to_months);
 /// Moves the P, level_sigma and level_age_months of a tile to another age; leaves one alone whose P counts none.
 void move_to_age(TileScores& score, double age_months);
 
-/// The age of the imagery that the P of tiles counts: that of those with `counts`. Nothing where the P of any of them
-/// counts none. Throws DataError when they count different ages: they were scored for different days.
+/// The age of the imagery that the P of tiles counts: that of those with `counts` and a P above 0 (ground without
+/// features has no level). Nothing where the P of any of them counts none. Throws DataError when they count different
+/// ages: they were scored for different days.
 std::optional<double> counted_age_months(const std::vector<TileScores>& scores, const std::vector<bool>& counts);
 
 /// The greatest age of the imagery at which P of a tile is one half or more, at least the age that it has now; nothing

@@ -73,6 +73,8 @@ struct RouteProbability {
   /// Tiles of this ground, judged on another date, that the level rests on; 0: it rests on other places; NaN: nothing
   /// is said.
   double level_tiles = std::numeric_limits<double>::quiet_NaN();
+  /// Age of the imagery that the level counts; NaN: it counts none.
+  double level_age_months = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// What the P of a route rests on, in a sentence without its full stop: one date of this ground, or two; "" where its

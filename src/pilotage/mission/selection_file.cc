@@ -59,6 +59,7 @@ Json probability_to_json(const std::optional<RouteProbability>& probability) {
                {"worst", nullptr},
                {"interval", nullptr},
                {"level_tiles", json_number(probability->level_tiles)},
+               {"level_age_months", json_number(probability->level_age_months)},
                {"rests_on", rests_on_text(*probability)}};
   if (probability->interval) json["interval"] = interval_to_json(*probability->interval);
   if (const auto& worst = probability->worst) {
@@ -98,6 +99,9 @@ RouteProbability probability_from_json(JsonObject object) {
     probability.interval = interval_from_json(object.object("interval"));
   }
   probability.level_tiles = object.number_or_nan("level_tiles");
+  if (object.has("level_age_months")) {  // of files that do not have it yet, nothing is known
+    probability.level_age_months = object.number_or_nan("level_age_months");
+  }
   object.text("rests_on");  // follows from the rest
   object.finish();
   return probability;

@@ -139,11 +139,24 @@ std::vector<std::string> write_manifest(const PackManifest& manifest, const Prep
   write_file(staging / kPackManifestName, pack_manifest_text(manifest), true);
   if (!run.secret_key) return {kPackManifestName};
   const std::string signature = signature_path_of(kPackManifestName).string();
-  SignOptions sign = run.sign;
-  sign.signature_path = staging / signature;
-  sign.chunk_list_above_bytes = kNoChunkList;
-  sign_file(staging / kPackManifestName, *run.secret_key, sign);
+  sign_whole_file(staging / kPackManifestName, staging / signature, *run.secret_key, run.sign);
   return {kPackManifestName, signature};
+}
+
+/// What turns the map that is there into the one in the staging folder, and its signature; their names.
+std::vector<std::string> write_delta(const std::vector<std::string>& files, const PrepareRun& run,
+                                     const StagingFolder& staging, const Progress& progress) {
+  const auto if_written = [&](const fs::path& name) -> std::optional<fs::path> {
+    if (std::find(files.begin(), files.end(), name.string()) == files.end()) return std::nullopt;
+    return staging / name.string();
+  };
+  const std::string delta = map_delta_path_of(kMap).string();
+  write_map_delta(staging / delta, *run.update, staging / kMap, if_written(signature_path_of(kMap)),
+                  if_written(chunk_list_path_of(kMap)), progress);
+  if (!run.secret_key) return {delta};
+  const std::string signature = signature_path_of(delta).string();
+  sign_whole_file(staging / delta, staging / signature, *run.secret_key, run.sign);
+  return {delta, signature};
 }
 
 void refuse_existing(const fs::path& folder, bool overwrite) {
@@ -190,6 +203,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   refuse_unnamed_autopilot(options.outputs, options.tile.autopilot);
   refuse_existing(run.output_folder, run.overwrite);
   const MapPurpose purpose = make_purpose(options.purpose);
+  if (run.update) check_map_to_update(*run.update, purpose);
   constexpr int kParts = 6;
   const Progress planning = part_of(progress, 1, kParts);
   const Progress scoring = part_of(progress, 2, kParts);
@@ -270,6 +284,11 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     const fs::path chunk_list = chunk_list_path_of(kMap);
     sign.chunk_list_path = staging / chunk_list.string();
     if (sign_file(staging / kMap, *run.secret_key, sign).chunk_list) result.files.push_back(chunk_list.string());
+  }
+  if (run.update) {
+    const std::vector<std::string> of_delta = write_delta(result.files, run, staging, building);
+    result.files.insert(result.files.end(), of_delta.begin(), of_delta.end());
+    result.difference = difference_of_maps(*run.update, staging / kMap);
   }
   imagery.reset();  // the report reads it at other scales
 

@@ -11,6 +11,7 @@
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/build_map/purpose_options.h"
 #include "pilotage/gis/report_outputs.h"
+#include "pilotage/mapdb/map_delta_writer.h"
 #include "pilotage/mapdb/map_signing.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
@@ -56,6 +57,8 @@ struct PrepareRun {
   std::string software_version;
   std::optional<std::filesystem::path> secret_key;  ///< Map and manifest are signed with it (mapdb/map_signing.h).
   SignOptions sign;                                 ///< With `secret_key`; its paths are the output folder's.
+  /// The map that is there: what turns it into the new one is written, too (mapdb/map_delta.h).
+  std::optional<std::filesystem::path> update{};
 };
 
 struct PrepareResult {
@@ -64,6 +67,7 @@ struct PrepareResult {
   std::string evidence;     ///< What it rests on (report/evidence.h), in one line.
   std::string holds;        ///< How long the map holds (report/map_ageing.h), a sentence; "" where nothing is known.
   BuildStats map;
+  std::optional<MapDifference> difference;  ///< From PrepareRun::update; nothing where no tile can be the same.
   std::int64_t planned_tiles = 0;
   std::int64_t selected_tiles = 0;
   double matchable_fraction = 0;
@@ -94,11 +98,12 @@ std::optional<Simulation> fly_plan(const Mission& mission, const std::vector<Til
 /// (scores_level1.tif … for further levels; with their styles for QGIS when `outputs` ask for cog), disagreement.tif
 /// (with score.second_epoch), selection.json, simulation.json (of fly_plan), map.gpkg and the files of the report that
 /// `outputs` ask for, "report.html" and so on, and with a secret key map.gpkg.minisig and for a large map
-/// map.gpkg.chunks; with outputs that ask for a pack also the route as it was planned (pack_route with its ending), the
-/// manifest of all (pack/field_pack.h) and its signature; into the output folder, which is made when it does not exist.
-/// All of them appear at the end, in place of those of an earlier run, the map last: at no moment an output of the one
-/// stands beside one of the other (base/output_file.h, replace_together). When anything fails, those of the earlier run
-/// stand there as before. Throws as the stages; DataError when an output exists and overwrite is not set.
+/// map.gpkg.chunks; with a map to update map.gpkg.delta and with a key its signature; with outputs that ask for a pack
+/// also the route as it was planned (pack_route with its ending), the manifest of all (pack/field_pack.h) and its
+/// signature; into the output folder, which is made when it does not exist. All of them appear at the end, in place of
+/// those of an earlier run, the map last: at no moment an output of the one stands beside one of the other
+/// (base/output_file.h, replace_together). When anything fails, those of the earlier run stand there as before. Throws
+/// as the stages; DataError when an output exists and overwrite is not set.
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
 
 }  // namespace pilotage

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
@@ -106,10 +107,12 @@ bool all_dated(const ImageryAge& age) {
                       [](const DatasetAge& next) { return next.acquired.empty(); });
 }
 
-/// What P(correct fix) makes of it: a clause that holds for any model.
-std::string counted_text(const ImageryAge& age) {
-  if (!all_dated(age)) return "P(correct fix) counts neither, as of some imagery the date is not known";
-  return "the default P(correct fix) counts the age by a rule of thumb, not the season";
+/// " (P(correct fix) counts …)": what it makes of both; "" where there is no P.
+std::string counted_text(const ImageryAge& age, std::optional<bool> counted) {
+  if (!counted) return "";
+  if (*counted) return " (P(correct fix) counts the age by a rule of thumb, not the season)";
+  return std::string(" (P(correct fix) counts neither") +
+         (all_dated(age) ? "" : "; of some imagery the date is not known") + ")";
 }
 
 std::string sun_text(const SunPosition& sun) {
@@ -266,11 +269,11 @@ std::vector<std::string> imagery_age_sentences(const ImageryAge& age) {
   return sentences;
 }
 
-std::string imagery_age_phrase(const ImageryAge& age) {
+std::string imagery_age_phrase(const ImageryAge& age, std::optional<bool> counted) {
   const std::string imagery = age.datasets.size() > 1 ? "imagery up to " : "imagery ";
   const DatasetAge* first = farthest_in_time(age);
   if (first == nullptr) return "imagery of unknown age, which P(correct fix) does not count";
-  return imagery + age_text(first->age_months, farthest_season_months(age)) + " (" + counted_text(age) + ")";
+  return imagery + age_text(first->age_months, farthest_season_months(age)) + counted_text(age, counted);
 }
 
 std::string imagery_age_measured() {
@@ -278,14 +281,14 @@ std::string imagery_age_measured() {
          "20 % after 9 months and 16 % after 22";
 }
 
-std::string imagery_age_assumptions(const Mission& mission) {
+std::string imagery_age_assumptions(const Mission& mission, std::optional<bool> counted) {
   const Ground& ground = mission.ground;
   const bool over_ground = mission.flight.samples.empty() && !ground.flight_time.empty() && !ground.tiles.empty();
   const auto age = over_ground ? imagery_age(ground.imagery.datasets, ground.tiles[ground.tiles.size() / 2].center,
                                              ground.flight_time)
                                : imagery_age(mission);
   if (!age) return "";
-  std::string text = ", " + imagery_age_phrase(*age);
+  std::string text = ", " + imagery_age_phrase(*age, counted);
   if (const auto& hidden = mission.flight.ground_hidden) {
     text += ", ground in sight (it is hidden " + percent_text(hidden->fraction) + " of the time)";
   }

@@ -60,9 +60,10 @@ const DatasetAge* farthest_in_time(const ImageryAge& age);
 /// What a planner should know of it, sentence by sentence; the last says when the shadows differ least and most.
 std::vector<std::string> imagery_age_sentences(const ImageryAge& age);
 
-/// "imagery 35 months old, 1 month apart in season (the default P(correct fix) counts the age by a rule of thumb, not
-/// the season)": of several the raster that is farthest from the flight, and the season that is farthest off.
-std::string imagery_age_phrase(const ImageryAge& age);
+/// "imagery 35 months old, 1 month apart in season (P(correct fix) counts the age by a rule of thumb, not the season)":
+/// of several the raster that is farthest from the flight, and the season that is farthest off. `counted`: whether the
+/// P of what is spoken of counts the age (counted_age_months() in matchability/level_at_age.h); nothing: there is no P.
+std::string imagery_age_phrase(const ImageryAge& age, std::optional<bool> counted);
 
 /// What age did where it was measured (docs/methods/matchability.md): a part of a sentence.
 std::string imagery_age_measured();
@@ -70,7 +71,7 @@ std::string imagery_age_measured();
 /// ", ", imagery_age_phrase() and how often the ground is hidden, for the line of assumptions; "" without a time of
 /// the flight. Of a flight without samples (over an area, whose line is still to be drawn) seasons are those of the
 /// middle of its ground.
-std::string imagery_age_assumptions(const Mission& mission);
+std::string imagery_age_assumptions(const Mission& mission, std::optional<bool> counted);
 
 /// Rows for age and season, for the sun where the hour is known (it decides), and for clouds where a table was given.
 std::vector<QualityRow> imagery_age_rows(const Mission& mission);

@@ -135,6 +135,7 @@ void describe(Io& io, typename Io::template Ref<RouteProbability> probability) {
   io.record("worst", probability.worst);
   io.record("interval", probability.interval);
   io.number("level_tiles", probability.level_tiles);
+  io.number("level_age_months", probability.level_age_months);
   io.only_written("rests_on", [&] { return rests_on_text(probability); });
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/text.h"
@@ -132,13 +133,17 @@ std::string map_error_text(const Mission& mission) {
 
 std::string further_assumptions(const Mission& mission, const Selection& selection) {
   const std::string rests_on = selection.probability ? rests_on_text(*selection.probability) : "";
+  std::optional<bool> counts_age;
+  if (selection.probability) {
+    counts_age = selection.ageing || std::isfinite(selection.probability->level_age_months);
+  }
   const FlightConditions& conditions = mission.flight.conditions;
   const std::string met = selection.probability ? ", wind " + format_number(conditions.wind_sigma_mps) + " m/s and " +
                                                       map_error_text(mission)
                                                 : ", " + map_error_text(mission);
   return met + (mission.flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "") +
          (mission.ground.elevation_datum_assumed ? ", heights of the ground " + mission.ground.elevation_datum : "") +
-         imagery_age_assumptions(mission) + (rests_on.empty() ? "" : "; " + rests_on);
+         imagery_age_assumptions(mission, counts_age) + (rests_on.empty() ? "" : "; " + rests_on);
 }
 
 bool limit_is_default(const Flight& flight, const Selection& selection) {

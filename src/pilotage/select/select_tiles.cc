@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
+#include "pilotage/matchability/level_at_age.h"
 #include "pilotage/select/budget_tiles.h"
 #include "pilotage/select/byte_budget.h"
 #include "pilotage/select/fix_attempts.h"
@@ -241,6 +243,8 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
     }
     add_chances(*chances, chosen, tiles, options, selection);
     selection.probability->level_tiles = fewest_level_tiles(scores, chosen);
+    const std::vector<bool>& told = selection.tile_ids.empty() ? std::vector<bool>(scores.size(), true) : chosen;
+    selection.probability->level_age_months = counted_age_months(scores, told).value_or(kNaN);
   } else if (options.advise) {
     selection.notes.push_back("no tile has a probability of a correct fix, so no leg can be advised on");
   }

@@ -36,7 +36,7 @@ bool is_matchable(const TileScores& score, const SelectOptions& options);
 /// and what is predicted is the flight that loses it at the worst point that is found (worst_loss.h).
 ///
 /// Throws UsageError for options out of range or a budget that cannot hold an empty map, DataError when a score is not
-/// of this plan.
+/// of this plan, or stored tiles count imagery of different ages.
 Selection select_tiles(const Mission& mission, const std::vector<TileScores>& scores, const StoredSize& size,
                        const SelectOptions& options, int threads = 1);
 

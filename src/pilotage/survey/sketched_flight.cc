@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/ground/tile_chances.h"
+#include "pilotage/matchability/level_at_age.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/report/sketch.h"
 #include "pilotage/score/predict_correct_fixes.h"
@@ -80,8 +82,15 @@ SketchedFlight sketched_flight(SurveyedGround& area, const std::vector<TileScore
   selection.max_error_m = sketched.mission.flight.max_error_m;
   if (!any_p_known(scores)) return sketched;  // nothing is drawn then
   sketched.mission_file = mission_file(area, imagery, options);
-  const double rests_on_tiles = fewest_level_tiles(scores, std::vector<bool>(scores.size(), true));
-  selection.probability = RouteProbability{0, select.min_route_probability, 0, 0, {}, {}, rests_on_tiles};
+  const std::vector<bool> all(scores.size(), true);
+  selection.probability = RouteProbability{0,
+                                           select.min_route_probability,
+                                           0,
+                                           0,
+                                           {},
+                                           {},
+                                           fewest_level_tiles(scores, all),
+                                           counted_age_months(scores, all).value_or(kNaN)};
   return sketched;
 }
 

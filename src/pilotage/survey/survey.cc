@@ -76,7 +76,8 @@ std::string age_phrase(const SurveyInput& input) {
   if (area.ground.flight_time.empty()) return "";
   const GeodeticPoint middle = area.ground.tiles[area.ground.tiles.size() / 2].center;
   const ImageryAge age = imagery_age(area.ground.imagery.datasets, middle, area.ground.flight_time);
-  return "; on " + area.ground.flight_time + " " + imagery_age_phrase(age) + "; " + imagery_age_measured();
+  const bool counted = counted_age_months(input.scores, std::vector<bool>(input.scores.size(), true)).has_value();
+  return "; on " + area.ground.flight_time + " " + imagery_age_phrase(age, counted) + "; " + imagery_age_measured();
 }
 
 std::vector<std::string> assumptions_of(const SurveyInput& input, bool known) {
