@@ -142,6 +142,19 @@ TEST(VotePeaks, AreThoseOfAllHistogramsAllAroundTheCircle) {
 
 // A heap between two places with as many votes as itself takes the place of both, so that fewer than were asked for
 // are left for a while.
+TEST(VotePeaks, AreThoseOfAllHistogramsWhereAllSquaresAreFullOfVotes) {
+  Random random(seed_from_name("vote peaks everywhere"));
+  for (const double half_width_px : {12.0, 33.3, 95.0}) {  // bins that are and are no whole groups of eight
+    VoteSearch search;
+    search.center_px = {random.uniform(-50, 50), random.uniform(-50, 50)};
+    search.half_side_px = half_width_px;
+    search.yaws_rad = evenly(0, 0.05, 4);
+    search.scales = evenly(1, 0.06, 3);
+    const auto pairs = random_pairs(random, search, 4000, 6);
+    expect_same(vote_peaks(pairs, search, 30), all_histograms(pairs, search, 30));
+  }
+}
+
 TEST(VotePeaks, EqualAndNeighbouringPeaksAreKeptInOrder) {
   VoteSearch search;
   search.half_side_px = 60;

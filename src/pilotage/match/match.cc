@@ -239,6 +239,7 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   if (!memory.take(ground_heights_bytes(2 * (window_px + rectified.px_from_m(rectified.pivot_m).norm())))) {
     return refused(MatchStatus::kTooUncertain, stats);
   }
+  if (!memory.take(bytes_to_vote(rectified.half_width_px))) return refused(MatchStatus::kTooUncertain, stats);
   const double max_features = feature_limit(memory, described, features);
   const Eigen::Vector2d center_px = rectified.prior_px + rectified.px_from_m(rectified.pivot_m);
   LocalMap local = read_local_map(map, *rectified.level, rectified.grid, center_px, window_px,

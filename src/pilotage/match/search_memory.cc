@@ -1,6 +1,8 @@
 #include "pilotage/match/search_memory.h"
 
 #include "pilotage/match/displacement_voting.h"
+#include "pilotage/match/vote_histogram.h"
+#include "pilotage/match/vote_peaks.h"
 #include "pilotage/vision/corner.h"
 #include "pilotage/vision/feature_set.h"
 
@@ -28,11 +30,18 @@ double bytes_to_describe(const FrameOnGrid& rectified, const FeatureOptions& fea
   return kPlanes * pixels + (point + kIndexed + descriptor) * points;
 }
 
+double bytes_to_vote(double half_width_px) {
+  const double bins = 2 * half_width_px / kVoteBinPx + 3;
+  constexpr double kPerBin = sizeof(std::int32_t) + sizeof(std::int64_t) / 16.0 + 2 * sizeof(std::size_t) / 16.0;
+  constexpr double kRows = 2 * VoteHistogram::kRowsTogether + 6 * kVoteBlurReach + 1;
+  return bins * bins * kPerBin + bins * kRows * sizeof(double);
+}
+
 double bytes_of_map_feature(const FeatureOptions& features) {
-  constexpr double kIndexedPair = 4 * sizeof(double) + 2 * sizeof(std::int32_t);  // vote_peaks.cc
-  constexpr double kPointOfGround = 2 * kGrowth * 3 * sizeof(double);             // relief.cc, ground_heights.cc
+  constexpr double kTouchedBin = kGrowth * sizeof(std::uint32_t);      // vote_histogram.cc
+  constexpr double kPointOfGround = 2 * kGrowth * 3 * sizeof(double);  // relief.cc, ground_heights.cc
   const double feature = sizeof(Feature) + features.descriptor_bits / 8.0 + sizeof(std::int64_t) + 2 * sizeof(float);
-  const double pair = kGrowth * sizeof(VotePair) + kIndexedPair;
+  const double pair = kGrowth * sizeof(VotePair) + kTouchedBin;
   return kGrowth * feature + kPointOfGround + kVoteNeighbours * pair;
 }
 

@@ -19,6 +19,9 @@ double bytes_to_rectify(const cv::Mat& frame);
 /// To describe the rectified frame and to search its descriptors.
 double bytes_to_describe(const FrameOnGrid& rectified, const FeatureOptions& features);
 
+/// To find the peaks of the votes for a square of this half side; besides what each feature takes.
+double bytes_to_vote(double half_width_px);
+
 /// For each feature of the map in the window: itself, and the pairs that it votes with.
 double bytes_of_map_feature(const FeatureOptions& features);
 

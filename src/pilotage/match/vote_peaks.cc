@@ -7,34 +7,25 @@
 #include <cstdlib>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
+
+#include "pilotage/match/vote_histogram.h"
 
 namespace pilotage {
 namespace {
 
-constexpr int kBlurReach = 2;  // the Gaussian's, and that of the neighbours a peak is compared with
-constexpr int kCellBins = 4;   // side of the squares that are bounded as one
-constexpr int kMargin = 2 * kBlurReach;
+constexpr int kCellBins = 4;  // side of the squares that are bounded as one
+constexpr int kMargin = 2 * kVoteBlurReach;
 constexpr int kPatchBins = kCellBins + 2 * kMargin;  // what the peaks of a square depend on
 constexpr int kBlockBins = 4;                        // as few as five bins in a row never lie in three blocks
 constexpr int kPatchBlocks = kPatchBins / kBlockBins;
 constexpr std::size_t kHypothesesTogether = 3;    // turns, and scales, of a group
 constexpr double kLower = 0.7;                    // than what was asked for, when that leaves too few
 constexpr std::size_t kCellsBetweenBounds = 128;  // looked at before the best so far are sorted again
-
-/// exp(−x²/2) at −2 … 2, of sum 1.
-std::array<double, 2 * kBlurReach + 1> gaussian() {
-  std::array<double, 2 * kBlurReach + 1> weights{};
-  double sum = 0;
-  for (int i = -kBlurReach; i <= kBlurReach; ++i) {
-    sum += weights[static_cast<std::size_t>(i + kBlurReach)] = std::exp(-i * i / 2.0);
-  }
-  for (double& weight : weights) weight /= sum;
-  return weights;
-}
-
-const std::array<double, 2 * kBlurReach + 1> kGaussian = gaussian();
+constexpr double kShareForAll = 0.12;             // of promising squares: from here on it is less work to smooth all
+constexpr double kShareWhenFull = 0.2;            // from here on it is less work not to look for the promising ones
 
 /// A peak, and its place in the order of equal ones.
 struct Peak {
@@ -63,9 +54,11 @@ std::vector<Candidate> separated(const std::vector<Peak>& sorted, std::size_t co
 /// The peaks found so far, and what another must have to matter.
 class BestPeaks {
  public:
-  BestPeaks(std::size_t count, double least, bool rises) : count_(count), least_(least), rises_(rises) {}
+  BestPeaks(std::size_t count, double least, bool rises)
+      : count_(count), first_least_(least), least_(least), rises_(rises) {}
 
   double least() const { return least_; }
+  bool rose() const { return least_ > first_least_; }
   void add(const Peak& peak) { peaks_.push_back(peak); }
 
   /// The best of all so far; peaks that cannot matter are forgotten.
@@ -79,6 +72,7 @@ class BestPeaks {
 
  private:
   std::size_t count_;
+  double first_least_;
   double least_;
   bool rises_;
   std::vector<Peak> peaks_;
@@ -121,21 +115,7 @@ std::complex<double> similarity(double yaw_rad, double scale) {
   return std::polar(scale, yaw_rad);
 }
 
-/// Pairs with a column for each number, in the order in which they are looked at.
-struct VoteColumns {
-  void resize(std::size_t count) {
-    for (std::vector<double>* column : {&frame_x, &frame_y, &map_x, &map_y}) column->resize(count);
-    weight.resize(count);
-  }
-
-  std::vector<double> frame_x;  ///< From the pivot.
-  std::vector<double> frame_y;
-  std::vector<double> map_x;  ///< From the outer corner of the first bin.
-  std::vector<double> map_y;
-  std::vector<std::int32_t> weight;
-};
-
-/// The histograms of a group of turns and scales, square by square.
+/// The histograms of a group of turns and scales, smoothed in some squares or as a whole.
 class GroupSearch {
  public:
   GroupSearch(const std::vector<VotePair>& pairs, const VoteSearch& search)
@@ -143,33 +123,40 @@ class GroupSearch {
         search_(search),
         bins_(static_cast<int>(2 * search.half_side_px / kVoteBinPx) + 3),
         cells_((bins_ + kCellBins - 1) / kCellBins),
-        corner_px_(search.center_px - Eigen::Vector2d::Constant(search.half_side_px + kVoteBinPx / 2)) {}
+        corner_px_(search.center_px - Eigen::Vector2d::Constant(search.half_side_px + kVoteBinPx / 2)),
+        histogram_(bins_) {}
 
   void look(const HypothesisGroup& group, BestPeaks& best, const Checkpoint& checkpoint) {
     group_ = group;
-    bound_cells();
-    pass(checkpoint);
     std::vector<std::size_t> promising;
-    for (std::size_t cell = 0; cell < bound_.size(); ++cell) {
-      if (most_votes(cell) >= best.least()) promising.push_back(cell);
-    }
-    std::stable_sort(promising.begin(), promising.end(),
-                     [&](std::size_t a, std::size_t b) { return bound_[a] > bound_[b]; });
-    std::size_t looked_at = 0;
-    for (const std::size_t cell : promising) {
-      if (most_votes(cell) < best.least()) break;
-      look_at_cell(static_cast<int>(cell) % cells_, static_cast<int>(cell) / cells_, best);
-      if (++looked_at % kCellsBetweenBounds != 0) continue;
-      best.settle();
+    bool all = is_full_;
+    if (!all) {
+      promising = promising_cells(best.least());
       pass(checkpoint);
+      const double share = static_cast<double>(promising.size()) / static_cast<double>(bound_.size());
+      all = share > kShareForAll;
+      is_full_ = best.rose() && share > kShareWhenFull;
+      if (promising.empty()) return;
     }
-    best.settle();
+    for (std::size_t y = group_.first_yaw; y < group_.end_yaw; ++y) {
+      for (std::size_t s = group_.first_scale; s < group_.end_scale; ++s) {
+        fill(search_.yaws_rad[y], search_.scales[s]);
+        if (all) {
+          look_at_all({y, s}, best, checkpoint);
+        } else {
+          look_at_cells({y, s}, promising, best, checkpoint);
+        }
+        histogram_.clear();
+        pass(checkpoint);
+      }
+    }
   }
 
  private:
   /// What a bin has at most that is felt by this weight. What is added is for rounding.
   static double most_votes_of(std::int64_t weight) {
-    return kGaussian[kBlurReach] * kGaussian[kBlurReach] * (1 + 1e-9) * static_cast<double>(weight) / kVoteUnit;
+    return kVoteGaussian[kVoteBlurReach] * kVoteGaussian[kVoteBlurReach] * (1 + 1e-9) * static_cast<double>(weight) /
+           kVoteUnit;
   }
 
   /// Likewise any bin of the cell, under any turn and scale of the group.
@@ -180,7 +167,19 @@ class GroupSearch {
     const auto cell = [&](double bin) {
       return std::clamp(static_cast<int>(std::floor(bin / kCellBins)), 0, cells_ - 1);
     };
-    return {cell(std::floor(low) - kBlurReach), cell(std::floor(high) + kBlurReach)};
+    return {cell(std::floor(low) - kVoteBlurReach), cell(std::floor(high) + kVoteBlurReach)};
+  }
+
+  /// Squares that may hold a peak with so many votes, the most promising first.
+  std::vector<std::size_t> promising_cells(double least) {
+    bound_cells();
+    std::vector<std::size_t> promising;
+    for (std::size_t cell = 0; cell < bound_.size(); ++cell) {
+      if (most_votes(cell) >= least) promising.push_back(cell);
+    }
+    std::stable_sort(promising.begin(), promising.end(),
+                     [&](std::size_t a, std::size_t b) { return bound_[a] > bound_[b]; });
+    return promising;
   }
 
   /// Places every pair by the group's middle turn and scale, and adds its weight to the bound of every cell that it may
@@ -196,93 +195,101 @@ class GroupSearch {
       }
     }
     bound_.assign(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), 0);
-    cell_of_.assign(pairs_.size(), -1);
-    reach_bins_ = 0;
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const VotePair& pair = pairs_[i];
-      const std::complex<double> moved = middle * std::complex<double>(pair.from_pivot_px.x(), pair.from_pivot_px.y());
-      const double col = (pair.map_px.x() - moved.real() - corner_px_.x()) / kVoteBinPx;
-      const double row = (pair.map_px.y() - moved.imag() - corner_px_.y()) / kVoteBinPx;
+    for (const VotePair& pair : pairs_) {
+      const Eigen::Vector2d bin = bin_of(pair, middle.real(), middle.imag());
       const double reach = pair.from_pivot_px.norm() * off / kVoteBinPx + 1e-6;
-      if (col + reach < 0 || row + reach < 0 || col - reach >= bins_ || row - reach >= bins_) continue;
-      reach_bins_ = std::max(reach_bins_, reach);
-      const auto [first_col, last_col] = cells_between(col - reach, col + reach);
-      const auto [first_row, last_row] = cells_between(row - reach, row + reach);
+      if ((bin.array() + reach).minCoeff() < 0 || (bin.array() - reach).maxCoeff() >= bins_) continue;
+      const auto [first_col, last_col] = cells_between(bin.x() - reach, bin.x() + reach);
+      const auto [first_row, last_row] = cells_between(bin.y() - reach, bin.y() + reach);
       for (int y = first_row; y <= last_row; ++y) {
         for (int x = first_col; x <= last_col; ++x) bound_[index_of(x, y)] += pair.weight;
       }
-      const auto clamped = [&](double bin) {
-        return std::clamp(static_cast<int>(std::floor(bin / kCellBins)), 0, cells_ - 1);
-      };
-      cell_of_[i] = static_cast<std::int32_t>(index_of(clamped(col), clamped(row)));
     }
-    sort_pairs_by_cell();
   }
 
-  void sort_pairs_by_cell() {
-    begin_.assign(bound_.size() + 1, 0);
-    for (const std::int32_t cell : cell_of_) {
-      if (cell >= 0) ++begin_[static_cast<std::size_t>(cell) + 1];
+  /// Where a pair votes under a turn and scale, of which c is the cosine's part and s the sine's.
+  Eigen::Vector2d bin_of(const VotePair& pair, double c, double s) const {
+    const Eigen::Vector2d& from_pivot_px = pair.from_pivot_px;
+    return {(pair.map_px.x() - corner_px_.x() - (c * from_pivot_px.x() - s * from_pivot_px.y())) / kVoteBinPx,
+            (pair.map_px.y() - corner_px_.y() - (s * from_pivot_px.x() + c * from_pivot_px.y())) / kVoteBinPx};
+  }
+
+  void fill(double yaw_rad, double scale) {
+    const double c = scale * std::cos(yaw_rad);
+    const double s = scale * std::sin(yaw_rad);
+    for (const VotePair& pair : pairs_) {
+      const Eigen::Vector2d bin = bin_of(pair, c, s);
+      if (!(bin.x() >= 0 && bin.y() >= 0 && bin.x() < bins_ && bin.y() < bins_)) continue;
+      histogram_.add(static_cast<int>(bin.x()), static_cast<int>(bin.y()), pair.weight);
     }
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    sorted_.resize(begin_.back());
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::size_t i = 0; i < cell_of_.size(); ++i) {
-      if (cell_of_[i] < 0) continue;
-      const std::size_t to = next[static_cast<std::size_t>(cell_of_[i])]++;
-      sorted_.frame_x[to] = pairs_[i].from_pivot_px.x();
-      sorted_.frame_y[to] = pairs_[i].from_pivot_px.y();
-      sorted_.map_x[to] = pairs_[i].map_px.x() - corner_px_.x();
-      sorted_.map_y[to] = pairs_[i].map_px.y() - corner_px_.y();
-      sorted_.weight[to] = pairs_[i].weight;
+  }
+
+  /// A turn and a scale, by their numbers.
+  struct Hypothesis {
+    std::size_t yaw = 0;
+    std::size_t scale = 0;
+  };
+
+  void look_at_all(const Hypothesis& hypothesis, BestPeaks& best, const Checkpoint& checkpoint) {
+    for (int first_row = 0; first_row < bins_; first_row += VoteHistogram::kRowsTogether) {
+      histogram_.smooth_from(first_row);
+      for (int row = first_row; row < std::min(first_row + VoteHistogram::kRowsTogether, bins_); ++row) {
+        for (int col = 0; col < bins_; ++col) {
+          const double* const votes = histogram_.votes_at(col, row);
+          if (*votes < best.least() || !is_vote_peak(votes, histogram_.stride())) continue;
+          best.add(peak_at(hypothesis, col, row, *votes));
+        }
+      }
+      best.settle();
+      pass(checkpoint);
     }
+  }
+
+  void look_at_cells(const Hypothesis& hypothesis, const std::vector<std::size_t>& promising, BestPeaks& best,
+                     const Checkpoint& checkpoint) {
+    std::size_t looked_at = 0;
+    for (const std::size_t cell : promising) {
+      if (most_votes(cell) < best.least()) break;
+      look_at_cell(hypothesis, static_cast<int>(cell) % cells_ * kCellBins, static_cast<int>(cell) / cells_ * kCellBins,
+                   best);
+      if (++looked_at % kCellsBetweenBounds != 0) continue;
+      best.settle();
+      pass(checkpoint);
+    }
+    best.settle();
   }
 
   std::size_t index_of(int cell_col, int cell_row) const {
     return static_cast<std::size_t>(cell_row) * static_cast<std::size_t>(cells_) + static_cast<std::size_t>(cell_col);
   }
 
-  void look_at_cell(int cell_col, int cell_row, BestPeaks& best) {
-    find_near(cell_col, cell_row);
-    for (std::size_t y = group_.first_yaw; y < group_.end_yaw; ++y) {
-      for (std::size_t s = group_.first_scale; s < group_.end_scale; ++s) {
-        if (fill_patch(search_.yaws_rad[y], search_.scales[s], cell_col * kCellBins - kMargin,
-                       cell_row * kCellBins - kMargin) < best.least()) {
-          continue;
-        }
-        smooth_patch(cell_col * kCellBins - kMargin, cell_row * kCellBins - kMargin);
-        add_peaks(y, s, cell_col * kCellBins, cell_row * kCellBins, best);
+  void look_at_cell(const Hypothesis& hypothesis, int first_col, int first_row, BestPeaks& best) {
+    if (take_patch(first_col - kMargin, first_row - kMargin) < best.least()) return;
+    smooth_patch(first_col - kMargin, first_row - kMargin);
+    for (int y = kMargin; y < kMargin + kCellBins; ++y) {
+      for (int x = kMargin; x < kMargin + kCellBins; ++x) {
+        const double* const votes = &votes_[static_cast<std::size_t>(y * kPatchBins + x)];
+        if (*votes < best.least() || !is_vote_peak(votes, kPatchBins)) continue;
+        best.add(peak_at(hypothesis, first_col + x - kMargin, first_row + y - kMargin, *votes));
       }
     }
   }
 
-  /// Finds the pairs that may vote in the patch about a cell.
-  void find_near(int cell_col, int cell_row) {
-    near_.clear();
-    const int reach = static_cast<int>(std::ceil((kMargin + 1 + reach_bins_) / kCellBins));
-    for (int y = std::max(cell_row - reach, 0); y <= std::min(cell_row + reach, cells_ - 1); ++y) {
-      near_.emplace_back(begin_[index_of(std::max(cell_col - reach, 0), y)],
-                         begin_[index_of(std::min(cell_col + reach, cells_ - 1), y) + 1]);
-    }
-  }
-
-  /// The patch's bins under one turn and scale; no peak in it has more votes than what is returned.
-  double fill_patch(double yaw_rad, double scale, int first_col, int first_row) {
-    patch_.fill(0);
+  /// Copies the patch's bins from the histogram; no peak in it has more votes than what is returned.
+  double take_patch(int first_col, int first_row) {
     std::array<std::int32_t, static_cast<std::size_t>(kPatchBlocks) * kPatchBlocks> blocks{};
-    const double c = scale * std::cos(yaw_rad);
-    const double s = scale * std::sin(yaw_rad);
-    for (const auto& [first, end] : near_) {
-      for (std::size_t i = first; i < end; ++i) {
-        const double col = (sorted_.map_x[i] - (c * sorted_.frame_x[i] - s * sorted_.frame_y[i])) / kVoteBinPx;
-        const double row = (sorted_.map_y[i] - (s * sorted_.frame_x[i] + c * sorted_.frame_y[i])) / kVoteBinPx;
-        if (!(col >= 0 && row >= 0 && col < bins_ && row < bins_)) continue;
-        const int x = static_cast<int>(col) - first_col;
-        const int y = static_cast<int>(row) - first_row;
-        if (x < 0 || y < 0 || x >= kPatchBins || y >= kPatchBins) continue;
-        patch_[static_cast<std::size_t>(y * kPatchBins + x)] += sorted_.weight[i];
-        blocks[static_cast<std::size_t>(y / kBlockBins * kPatchBlocks + x / kBlockBins)] += sorted_.weight[i];
+    for (int y = 0; y < kPatchBins; ++y) {
+      std::int32_t* const row = &patch_[static_cast<std::size_t>(y * kPatchBins)];
+      std::int32_t* const blocks_of_row = &blocks[static_cast<std::size_t>(y / kBlockBins * kPatchBlocks)];
+      if (is_in_square(first_col, first_row, kPatchBins)) {
+        std::copy_n(histogram_.weights_at(first_col, first_row + y), kPatchBins, row);
+      } else {
+        for (int x = 0; x < kPatchBins; ++x) {
+          const bool inside = is_in_square(first_col + x, first_row + y, 1);
+          row[x] = inside ? *histogram_.weights_at(first_col + x, first_row + y) : 0;
+        }
       }
+      for (int x = 0; x < kPatchBins; ++x) blocks_of_row[x / kBlockBins] += row[x];
     }
     std::int32_t most = 0;
     for (std::size_t y = 0; y + 1 < kPatchBlocks; ++y) {
@@ -294,82 +301,64 @@ class GroupSearch {
     return most_votes_of(most);
   }
 
-  bool is_bin(int bin) const { return bin >= 0 && bin < bins_; }
+  /// Whether so many rows and columns of bins from this one on are.
+  bool is_in_square(int col, int row, int count) const {
+    return col >= 0 && row >= 0 && col + count <= bins_ && row + count <= bins_;
+  }
 
-  /// Votes of the bins that are at least kBlurReach within the patch. Every sum is added in one order, wherever the bin
-  /// lies in a patch; many bins at a time, for speed.
+  /// Votes of the bins that are at least kVoteBlurReach within the patch. Every sum is added in one order, wherever the
+  /// bin lies in a patch; many bins at a time, for speed.
   void smooth_patch(int first_col, int first_row) {
     constexpr std::size_t kSide = kPatchBins;
-    constexpr std::size_t kReach = kBlurReach;
+    constexpr std::size_t kReach = kVoteBlurReach;
     std::array<double, kSide * kSide> bins;
     std::array<double, kSide * kSide> along_rows{};
     for (std::size_t i = 0; i < bins.size(); ++i) bins[i] = patch_[i] / kVoteUnit;
     for (std::size_t y = 0; y < kSide; ++y) {
-      for (std::size_t k = 0; k < kGaussian.size(); ++k) {
+      for (std::size_t k = 0; k < kVoteGaussian.size(); ++k) {
         double* const sum = &along_rows[y * kSide + kReach];
         const double* const bin = &bins[y * kSide + k];
-        for (std::size_t x = 0; x < kSide - 2 * kReach; ++x) sum[x] += kGaussian[k] * bin[x];
+        for (std::size_t x = 0; x < kSide - 2 * kReach; ++x) sum[x] += kVoteGaussian[k] * bin[x];
       }
     }
     votes_.fill(0);
     for (std::size_t y = kReach; y < kSide - kReach; ++y) {
-      for (std::size_t k = 0; k < kGaussian.size(); ++k) {
+      for (std::size_t k = 0; k < kVoteGaussian.size(); ++k) {
         double* const sum = &votes_[y * kSide + kReach];
         const double* const row = &along_rows[(y + k - kReach) * kSide + kReach];
-        for (std::size_t x = 0; x < kSide - 2 * kReach; ++x) sum[x] += kGaussian[k] * row[x];
+        for (std::size_t x = 0; x < kSide - 2 * kReach; ++x) sum[x] += kVoteGaussian[k] * row[x];
       }
     }
-    if (first_col >= 0 && first_row >= 0 && first_col + kPatchBins <= bins_ && first_row + kPatchBins <= bins_) return;
+    if (is_in_square(first_col, first_row, kPatchBins)) return;
     for (int y = 0; y < kPatchBins; ++y) {  // beyond the square there is no bin
       for (int x = 0; x < kPatchBins; ++x) {
-        if (!is_bin(x + first_col) || !is_bin(y + first_row)) votes_[static_cast<std::size_t>(y * kPatchBins + x)] = 0;
+        if (!is_in_square(x + first_col, y + first_row, 1)) votes_[static_cast<std::size_t>(y * kPatchBins + x)] = 0;
       }
     }
   }
 
-  void add_peaks(std::size_t yaw, std::size_t scale, int first_col, int first_row, BestPeaks& best) const {
-    for (int y = kMargin; y < kMargin + kCellBins; ++y) {
-      for (int x = kMargin; x < kMargin + kCellBins; ++x) {
-        const double votes = votes_[static_cast<std::size_t>(y * kPatchBins + x)];
-        if (votes < best.least() || !is_highest(x, y)) continue;
-        const int col = first_col + x - kMargin;
-        const int row = first_row + y - kMargin;
-        Peak peak;
-        peak.candidate.placement.yaw_rad = search_.yaws_rad[yaw];
-        peak.candidate.placement.scale = search_.scales[scale];
-        peak.candidate.placement.center_px = search_.center_px - Eigen::Vector2d::Constant(search_.half_side_px) +
-                                             kVoteBinPx * Eigen::Vector2d(col, row);
-        peak.candidate.votes = votes;
-        peak.hypothesis = yaw * search_.scales.size() + scale;
-        peak.row = row;
-        peak.col = col;
-        best.add(peak);
-      }
-    }
-  }
-
-  bool is_highest(int x, int y) const {
-    const double votes = votes_[static_cast<std::size_t>(y * kPatchBins + x)];
-    for (int dy = -kBlurReach; dy <= kBlurReach; ++dy) {
-      for (int dx = -kBlurReach; dx <= kBlurReach; ++dx) {
-        if (votes_[static_cast<std::size_t>((y + dy) * kPatchBins + x + dx)] > votes) return false;
-      }
-    }
-    return true;
+  Peak peak_at(const Hypothesis& hypothesis, int col, int row, double votes) const {
+    Peak peak;
+    peak.candidate.placement.yaw_rad = search_.yaws_rad[hypothesis.yaw];
+    peak.candidate.placement.scale = search_.scales[hypothesis.scale];
+    peak.candidate.placement.center_px =
+        search_.center_px - Eigen::Vector2d::Constant(search_.half_side_px) + kVoteBinPx * Eigen::Vector2d(col, row);
+    peak.candidate.votes = votes;
+    peak.hypothesis = hypothesis.yaw * search_.scales.size() + hypothesis.scale;
+    peak.row = row;
+    peak.col = col;
+    return peak;
   }
 
   const std::vector<VotePair>& pairs_;
   const VoteSearch& search_;
-  int bins_;   // along a side of the square
-  int cells_;  // likewise
-  Eigen::Vector2d corner_px_;
+  int bins_;                   // along a side of the square
+  int cells_;                  // likewise
+  Eigen::Vector2d corner_px_;  // the outer one of the first bin
+  VoteHistogram histogram_;
   HypothesisGroup group_;
-  double reach_bins_ = 0;              // from where the group's middle moves a pair
-  std::vector<std::int64_t> bound_;    // of each cell: weights that can reach it
-  std::vector<std::int32_t> cell_of_;  // of each pair, by the group's middle; −1 where it cannot vote
-  std::vector<std::uint32_t> begin_;   // of each cell in sorted_
-  VoteColumns sorted_;                 // the pairs of each cell
-  std::vector<std::pair<std::size_t, std::size_t>> near_;  // in sorted_
+  bool is_full_ = false;             // of votes: what is left is looked at as a whole, unbounded
+  std::vector<std::int64_t> bound_;  // of each cell: weights that can reach it
   std::array<std::int32_t, static_cast<std::size_t>(kPatchBins) * kPatchBins> patch_{};
   std::array<double, static_cast<std::size_t>(kPatchBins) * kPatchBins> votes_{};
 };

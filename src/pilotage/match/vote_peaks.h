@@ -40,7 +40,8 @@ struct Candidate {
 ///
 /// By branch and bound (A. H. Land, A. G. Doig, Econometrica 28(3), 1960): for squares of bins and groups of
 /// neighbouring turns and scales the votes of all pairs that can reach a square bound the peaks in it; only where they
-/// come up to the `count`-th best are histograms made. The answer is that of all histograms, to the bit.
+/// come up to the `count`-th best is the histogram smoothed: in these squares, or as a whole where they are many. The
+/// answer is that of all histograms, to the bit.
 std::vector<Candidate> vote_peaks(const std::vector<VotePair>& pairs, const VoteSearch& search, std::size_t count,
                                   const Checkpoint& checkpoint = {});
 

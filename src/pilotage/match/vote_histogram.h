@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pilotage {
+
+/// The Gaussian of one bin that votes are smoothed by reaches so far, and so do the neighbours that a peak must not be
+/// below.
+inline constexpr int kVoteBlurReach = 2;
+
+/// exp(−x²/2) at −2 … 2, of sum 1.
+extern const std::array<double, 2 * kVoteBlurReach + 1> kVoteGaussian;
+
+/// Whether none of the 5 × 5 votes about these exceeds them; rows lie `stride` apart.
+bool is_vote_peak(const double* votes, std::ptrdiff_t stride);
+
+/// The votes for a square of bins under one turn and scale, smoothed along rows, then along columns.
+class VoteHistogram {
+ public:
+  /// Of `bins` × `bins`, without votes. Takes 4 bytes a bin, and 2 KB a column; each bin with votes 4 to 12 more.
+  explicit VoteHistogram(int bins);
+
+  /// Adds a weight, in 1/kVoteUnit. Bins are counted from 0.
+  void add(int col, int row, std::int32_t weight) {
+    const std::size_t index = weight_index(col, row);
+    if (weights_[index] == 0) touched_.push_back(static_cast<std::uint32_t>(index));
+    weights_[index] += weight;
+  }
+  /// Takes all weights away.
+  void clear();
+  /// Weights of a bin and of those right of it.
+  const std::int32_t* weights_at(int col, int row) const { return &weights_[weight_index(col, row)]; }
+  /// Works out the votes of kRowsTogether rows from this one on, or of those that are left. Every sum is added in one
+  /// order, that of GroupSearch::smooth_patch() in vote_peaks.cc.
+  void smooth_from(int first_row);
+  /// Votes of a bin of these rows, as is_vote_peak() takes them with stride(): beyond the square there are none.
+  const double* votes_at(int col, int row) const {
+    return &votes_[static_cast<std::size_t>((row - first_row_ + kVoteBlurReach) * stride_ + col + kVoteBlurReach)];
+  }
+  std::ptrdiff_t stride() const { return stride_; }
+
+  static constexpr int kRowsTogether = 96;
+
+ private:
+  std::size_t weight_index(int col, int row) const {
+    return static_cast<std::size_t>(row * stride_ + col + kVoteBlurReach);
+  }
+  bool is_row(int row) const { return row >= 0 && row < bins_; }
+
+  int bins_;
+  std::size_t width_;  ///< Bins of a row that are worked out: a multiple of what is smoothed at once.
+  std::ptrdiff_t stride_;
+  int first_row_ = 0;
+  std::vector<std::int32_t> weights_;   ///< Rows have a margin of kVoteBlurReach empty bins, as the others.
+  std::vector<std::uint32_t> touched_;  ///< Bins with weights.
+  std::vector<double> row_;
+  std::vector<double> along_rows_;  ///< Of the rows that are worked out and of 2 · kVoteBlurReach on either side.
+  std::vector<double> votes_;       ///< Likewise, of kVoteBlurReach on either side.
+};
+
+}  // namespace pilotage
