@@ -111,6 +111,7 @@ TEST(UsualFineContrast, IsThatOfTheGround) {
   EXPECT_NEAR(of_80 / of_20, 4, 0.1);
   const Raster raster = squares(20);
   EXPECT_NEAR(of_20, contrast_by_definition(raster, {0, 0, 600, 600}), 0.2);
+  EXPECT_EQ(usual_fine_contrast(gray_source_from(raster), 60, 1), of_20) << "one thread";
 }
 
 TEST(UsualFineContrast, IsTheMedianOverTheImagery) {

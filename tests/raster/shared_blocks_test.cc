@@ -101,6 +101,22 @@ TEST(SharedBlocks, ColoursAndTheirGrayReadEachBlockOnce) {
 }
 
 /// More than three rows of blocks do not stay.
+TEST(SharedBlocks, WholeBlocksAreKeptTooWhereAllAre) {
+  const Raster raster = noise(1024, 600);
+  GraySource source = in_blocks(raster, 512, 256);
+  int reads = 0;
+  source.read = [whole = source.read, &reads](const PixelWindow& window) {
+    ++reads;
+    return whole(window);
+  };
+  const GraySource shared = share_blocks(source);
+  shared.read({0, 0, 1024, 256});  // whole blocks
+  EXPECT_EQ(reads, 2);
+  const Raster part = shared.read({500, 10, 100, 200});
+  EXPECT_EQ(reads, 2);
+  EXPECT_EQ(cv::norm(part.pixels, raster.pixels(cv::Rect(500, 10, 100, 200)), cv::NORM_INF), 0);
+}
+
 TEST(SharedBlocks, WhatWasDroppedIsReadAgain) {
   const Raster raster = noise(300, 260);
   GraySource source = in_blocks(raster, 300, 1);

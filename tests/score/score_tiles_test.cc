@@ -411,7 +411,7 @@ TEST(ScoreTiles, ProgressCountsAndStops) {
                 of_work->second = done;
                 return true;
               });
-  EXPECT_EQ(last.size(), 3U) << "scoring, fine contrast, then counting votes";
+  EXPECT_EQ(last.size(), 4U) << "scoring, usual contrast, fine contrast, then counting votes";
   EXPECT_EQ(last["score"], matrix.tile_count());
   const Progress stop = [](std::string_view, std::int64_t done, std::int64_t) { return done == 0; };
   EXPECT_THROW(score_tiles(source, matrix, 8, all_tiles(matrix), options, 1, 1, stop), Interrupted);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <mutex>
 #include <string>
+#include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
@@ -11,6 +13,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
+#include "pilotage/base/parallel.h"
 #include "pilotage/geo/tile_groups.h"
 #include "pilotage/matchability/matchability_model.h"
 #include "pilotage/raster/gray_stretch.h"
@@ -127,18 +130,25 @@ std::vector<double> measure_fine_contrast(const GraySource& shown, const TileMat
   return contrasts;
 }
 
-double usual_fine_contrast(const GraySource& shown, int side_px) {
+double usual_fine_contrast(const GraySource& shown, int side_px, int threads, const Progress& progress) {
   want_8bit(shown, "usual_fine_contrast");
   if (side_px < 1) throw UsageError("usual_fine_contrast: side_px = " + std::to_string(side_px) + ": at least 1");
-  std::vector<double> contrasts;
+  std::vector<std::pair<std::int64_t, std::int64_t>> places;  // column and row
   for (const std::int64_t row : window_starts(shown.height_px, side_px)) {
-    for (const std::int64_t col : window_starts(shown.width_px, side_px)) {
-      const Raster raster = shown.read(surroundings(shown, col, row, side_px));
-      const cv::Rect window = inside(shown, col, row, side_px);
-      if (!counts(raster, window)) continue;
-      contrasts.push_back(ContrastSums(raster).at(window));
-    }
+    for (const std::int64_t col : window_starts(shown.width_px, side_px)) places.emplace_back(col, row);
   }
+  std::vector<double> contrasts(places.size(), kNaN);
+  std::mutex mutex;
+  std::int64_t done = 0;
+  parallel_for(places.size(), threads, [&](std::size_t i, int) {
+    const auto [col, row] = places[i];
+    const Raster raster = shown.read(surroundings(shown, col, row, side_px));
+    const cv::Rect window = inside(shown, col, row, side_px);
+    if (counts(raster, window)) contrasts[i] = ContrastSums(raster).at(window);
+    const std::lock_guard lock(mutex);
+    report_progress(progress, "usual contrast", ++done, static_cast<std::int64_t>(places.size()));
+  });
+  std::erase_if(contrasts, [](double contrast) { return std::isnan(contrast); });
   if (contrasts.empty()) return kNaN;
   const auto middle = contrasts.begin() + static_cast<std::ptrdiff_t>(contrasts.size() / 2);
   std::nth_element(contrasts.begin(), middle, contrasts.end());

@@ -32,8 +32,8 @@ std::vector<double> measure_fine_contrast(const GraySource& shown, const TileMat
 /// shores look rich. NaN when no window counts.
 ///
 /// `shown` is the map in 8 bits (stretch_to_8bit). The result depends on the source and the side alone, not on which
-/// tiles are scored: every shard of a run finds the same. In memory is one window. Throws what the source throws, and
-/// UsageError when it is not CV_8U or side_px < 1.
-double usual_fine_contrast(const GraySource& shown, int side_px);
+/// tiles are scored: every shard of a run finds the same; nor on `threads` (0 = all cores). In memory is one window for
+/// each. Throws what the source throws, UsageError when it is not CV_8U or side_px < 1; Interrupted.
+double usual_fine_contrast(const GraySource& shown, int side_px, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage

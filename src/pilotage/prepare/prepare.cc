@@ -26,6 +26,7 @@
 #include "pilotage/mission/simulation_file.h"
 #include "pilotage/pack/field_pack.h"
 #include "pilotage/raster/gdal_io.h"
+#include "pilotage/raster/gray_stretch.h"
 #include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/report/evidence.h"
 #include "pilotage/report/plan_report.h"
@@ -290,14 +291,18 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     result.files.insert(result.files.end(), of_delta.begin(), of_delta.end());
     result.difference = difference_of_maps(*run.update, staging / kMap);
   }
-  imagery.reset();  // the report reads it at other scales
-
   OpenLevel open_second;
   if (second_date) {
     open_second = [&](const GridLevel& level) { return open_second_date(*second_date, mission.ground, level); };
   }
   ReportInput input = make_report_input(mission, scores, selection, inputs, run.software_version);
-  if (asks_for(outputs, ReportOutput::kHtml)) add_pictures(input, run.threads, reporting, open_second);
+  if (asks_for(outputs, ReportOutput::kHtml)) {
+    const OpenLevel open_own = [&](const GridLevel& level) {
+      return stretch_to_8bit(imagery->levels[static_cast<std::size_t>(level.matrix.level)].gray);
+    };
+    add_pictures(input, run.threads, reporting, open_second, open_own);
+  }
+  imagery.reset();  // what is left reads it at other scales
   report_progress(reporting, "writing the report", 0, 0);
   if (simulation) {
     input.simulations.push_back(*std::move(simulation));

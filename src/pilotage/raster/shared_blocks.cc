@@ -36,13 +36,16 @@ class Blocks {
         width_px_(unit_side(source.block_width_px, source.width_px)),
         height_px_(unit_side(source.block_height_px, source.height_px)) {
     const std::int64_t across = (source.width_px + width_px_ - 1) / width_px_;
-    most_ = static_cast<std::size_t>(std::max(3 * across, kept_pixels / (width_px_ * height_px_)));
+    const std::int64_t down = (source.height_px + height_px_ - 1) / height_px_;
+    const std::int64_t most = std::max(3 * across, kept_pixels / (width_px_ * height_px_));
+    most_ = static_cast<std::size_t>(most);
+    keeps_all_ = across * down <= most;
   }
 
   bool too_large() const { return width_px_ * height_px_ > kept_pixels_; }
 
   Raster read(const PixelWindow& window) {
-    if (whole(window.col, window.width, width_px_, source_.width_px) &&
+    if (!keeps_all_ && whole(window.col, window.width, width_px_, source_.width_px) &&
         whole(window.row, window.height, height_px_, source_.height_px)) {
       return source_.read(window);
     }
@@ -129,6 +132,7 @@ class Blocks {
   std::int64_t width_px_;
   std::int64_t height_px_;
   std::size_t most_ = 0;
+  bool keeps_all_ = false;
   std::mutex mutex_;
   std::unordered_map<BlockIndex, CachedBlock, Hash> kept_;
   std::list<BlockIndex> used_;  // the last one used first

@@ -34,11 +34,13 @@ ReportInput make_report_input(const Mission& mission, const std::vector<TileScor
   return input;
 }
 
-void add_pictures(ReportInput& input, int threads, const Progress& progress, const OpenLevel& second_date) {
+void add_pictures(ReportInput& input, int threads, const Progress& progress, const OpenLevel& second_date,
+                  const OpenLevel& own_imagery) {
   const Mission& mission = input.mission;
   input.imagery = read_overview(mission.ground, kOverviewSide_px);
   input.pictures = read_tile_pictures(mission.ground, threads, progress);
-  input.seen = render_seen_frames(mission, second_date ? second_date : open_own_imagery(mission), threads, progress);
+  const OpenLevel shown = second_date ? second_date : own_imagery ? own_imagery : open_own_imagery(mission);
+  input.seen = render_seen_frames(mission, shown, threads, progress);
   input.seen.second_date = static_cast<bool>(second_date);
 }
 

@@ -26,10 +26,10 @@ ReportInput make_report_input(const Mission& mission, const std::vector<TileScor
 
 /// Reads what the page shows besides: a picture of the corridor, one of each tile, and what the camera will see along
 /// the route: rendered from `second_date` where that is given, a second date as the imagery shows the ground, else from
-/// the imagery itself. The same for any number of threads (0 = all cores). Throws DataError when imagery cannot be
-/// read, Interrupted.
-void add_pictures(ReportInput& input, int threads = 0, const Progress& progress = {},
-                  const OpenLevel& second_date = {});
+/// the imagery itself, which is `own_imagery` where that is open already. The same for any number of threads (0 = all
+/// cores). Throws DataError when imagery cannot be read, Interrupted.
+void add_pictures(ReportInput& input, int threads = 0, const Progress& progress = {}, const OpenLevel& second_date = {},
+                  const OpenLevel& own_imagery = {});
 
 }  // namespace pilotage
 

@@ -44,9 +44,10 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
   }
   // The map's features are found in 8 bits, and the contrast that they have is what counts.
   const GraySource shown = stretch_to_8bit(source);
-  const double usual = scored.empty()                ? 0
-                       : options.usual_fine_contrast ? *options.usual_fine_contrast
-                                                     : usual_fine_contrast(shown, matrix.tile_size_px);
+  const double usual = scored.empty() ? 0
+                       : options.usual_fine_contrast
+                           ? *options.usual_fine_contrast
+                           : usual_fine_contrast(shown, matrix.tile_size_px, threads, progress);
   const std::vector<double> contrasts = measure_fine_contrast(shown, matrix, indices, threads, progress);
   const auto votes = count_self_votes(shown, matrix, indices, options.features, threads, progress);
   for (std::size_t i = 0; i < scored.size(); ++i) {
@@ -62,9 +63,14 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
   }
 }
 
-double usual_fine_contrast_of(const Ground& ground) {
-  const GridLevel& level = ground.levels.front();
-  return usual_fine_contrast(stretch_to_8bit(open_gray(ground, level)), level.matrix.tile_size_px);
+ScoreOptions with_usual_fine_contrast(const Ground& ground, const GroundImagery& imagery, ScoreOptions options,
+                                      int threads, const Progress& progress) {
+  constexpr double kLeast = 0.01;  // that the option takes
+  if (options.usual_fine_contrast || !options.measure(ScoreMeasure::kCorrectFix)) return options;
+  const GraySource shown = stretch_to_8bit(imagery.levels.front().gray);
+  const double usual = usual_fine_contrast(shown, ground.levels.front().matrix.tile_size_px, threads, progress);
+  if (usual >= kLeast) options.usual_fine_contrast = usual;
+  return options;
 }
 
 }  // namespace pilotage

@@ -7,6 +7,7 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/ground/ground.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/ground/tile_scores.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/score/score_tiles.h"
@@ -24,8 +25,10 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
                            const MatchabilityModel& model, std::span<const std::int64_t> tile_indices,
                            std::vector<TileScores>& scores, int threads, const Progress& progress);
 
-/// What P of the ground's first level is held against where no option says it (ScoreOptions::usual_fine_contrast), gray
-/// levels; NaN where no window of it counts. Throws as open_gray and usual_fine_contrast.
-double usual_fine_contrast_of(const Ground& ground);
+/// The options with what P of the ground's first level is held against (ScoreOptions::usual_fine_contrast) measured
+/// where they do not say it; as they are where no P is asked for, or no window of the ground counts. Scores are the
+/// same with it as without. Throws as usual_fine_contrast.
+ScoreOptions with_usual_fine_contrast(const Ground& ground, const GroundImagery& imagery, ScoreOptions options,
+                                      int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage

@@ -25,6 +25,7 @@
 #include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/wording.h"
+#include "pilotage/score/predict_correct_fixes.h"
 #include "pilotage/score/score_ground.h"
 #include "pilotage/survey/survey.h"
 #include "pilotage/survey/survey_layers.h"
@@ -146,7 +147,11 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
     result.files.push_back(name);
     return staging / name;
   };
-  GroundScores scored = score_ground(ground, options.score, run.seed, run.threads, scoring);
+  SurveyOptions measured = options;
+  std::optional<GroundImagery> opened(open_imagery(ground));
+  measured.score = with_usual_fine_contrast(ground, *opened, options.score, run.threads, scoring);
+  GroundScores scored = score_ground(ground, measured.score, run.seed, run.threads, scoring, &*opened);
+  opened.reset();  // the page shows it at other scales
   if (scored.second_epoch) {
     const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
@@ -184,7 +189,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   SurveyOptions described = options;
   input.parameters = options_to_json(list_options(described));
   input.inputs = survey_inputs(input, options);
-  input.sketched = sketched_flight(input.area, input.scores, imagery, options);
+  input.sketched = sketched_flight(input.area, input.scores, imagery, measured);
   input.software_version = run.software_version;
   report_progress(reporting, "writing the report", 0, 0);
   const Survey survey = make_survey(input);

@@ -9,7 +9,6 @@
 #include "pilotage/matchability/level_at_age.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/report/sketch.h"
-#include "pilotage/score/predict_correct_fixes.h"
 #include "pilotage/select/select_options.h"
 #include "pilotage/tile/map_error.h"
 #include "pilotage/tile/tile_options.h"
@@ -59,11 +58,6 @@ Json mission_file(const SurveyedGround& area, const std::vector<std::string>& im
   Json json = options_to_json(list_options(tile));
   add_grid(area.ground, json);
   ScoreOptions score = options.score;
-  if (!score.usual_fine_contrast) {
-    constexpr double kLeastUsual = 0.01;  // that the option takes
-    if (const double usual = usual_fine_contrast_of(area.ground); usual >= kLeastUsual)
-      score.usual_fine_contrast = usual;
-  }
   if (score.matcher == FlyingMatcher::kFeaturesAndChips) json["build"] = {{"chips", true}};
   json["score"] = options_to_json(list_options(score));
   return json;

@@ -22,8 +22,8 @@ struct SketchedFlight {
   nlohmann::ordered_json mission_file;
 };
 
-/// `scores` are those of the area's tiles. What was chosen for such a route, and what is wrong with the imagery's own
-/// word on its error, goes to the notes and the warnings of the area.
+/// `scores` are those of the area's tiles, by `options` (with_usual_fine_contrast()). What was chosen for such a route,
+/// and what is wrong with the imagery's own word on its error, goes to the notes and the warnings of the area.
 SketchedFlight sketched_flight(SurveyedGround& area, const std::vector<TileScores>& scores,
                                const std::vector<std::string>& imagery, const SurveyOptions& options);
 
