@@ -1,8 +1,11 @@
 #include "pilotage/raster/shared_blocks.h"
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <map>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -100,7 +103,6 @@ TEST(SharedBlocks, ColoursAndTheirGrayReadEachBlockOnce) {
   EXPECT_EQ(reads, 48);
 }
 
-/// More than three rows of blocks do not stay.
 TEST(SharedBlocks, WholeBlocksAreKeptTooWhereAllAre) {
   const Raster raster = noise(1024, 600);
   GraySource source = in_blocks(raster, 512, 256);
@@ -117,6 +119,7 @@ TEST(SharedBlocks, WholeBlocksAreKeptTooWhereAllAre) {
   EXPECT_EQ(cv::norm(part.pixels, raster.pixels(cv::Rect(500, 10, 100, 200)), cv::NORM_INF), 0);
 }
 
+/// More than three rows of blocks do not stay.
 TEST(SharedBlocks, WhatWasDroppedIsReadAgain) {
   const Raster raster = noise(300, 260);
   GraySource source = in_blocks(raster, 300, 1);
@@ -136,6 +139,32 @@ TEST(SharedBlocks, WhatWasDroppedIsReadAgain) {
     }
   }
   EXPECT_EQ(reads, 1800);
+}
+
+// Each read waits for another one beside it: threads that want the same blocks do not wait for one maker.
+TEST(SharedBlocks, ThreadsThatWantTheSameBlocksMakeDifferentOnes) {
+  const Raster raster = noise(1024, 512);
+  GraySource source = in_blocks(raster, 256, 256);
+  std::mutex mutex;
+  std::condition_variable begun;
+  int reads = 0;
+  bool together = false;
+  source.read = [&, whole = source.read](const PixelWindow& window) {
+    std::unique_lock lock(mutex);
+    const int mine = ++reads;
+    begun.notify_all();
+    constexpr std::chrono::seconds kLongEnough(60);
+    if (mine % 2 == 1) together |= begun.wait_for(lock, kLongEnough, [&] { return reads > mine; });
+    lock.unlock();
+    return whole(window);
+  };
+  const GraySource shared = share_blocks(source);
+  const auto read_all = [&] { shared.read({1, 1, 1022, 510}); };
+  std::thread other(read_all);
+  read_all();
+  other.join();
+  EXPECT_EQ(reads, 8);
+  EXPECT_TRUE(together);
 }
 
 TEST(SharedBlocks, AnErrorIsToldAndTriedAgain) {

@@ -31,10 +31,15 @@ double bytes_to_describe(const FrameOnGrid& rectified, const FeatureOptions& fea
 }
 
 double bytes_to_vote(double half_width_px) {
-  const double bins = 2 * half_width_px / kVoteBinPx + 3;
-  constexpr double kPerBin = sizeof(std::int32_t) + sizeof(std::int64_t) / 16.0 + 2 * sizeof(std::size_t) / 16.0;
+  constexpr double kRounded = 12;          // columns: whole groups of those that are smoothed at once, and margins
+  constexpr double kBinsOfCell = 16;       // vote_peaks.cc
+  constexpr double kPeaksOfBin = 1 / 9.0;  // none beside another
+  constexpr double kPeakBytes = 80;
+  const double bins = 2 * half_width_px / kVoteBinPx + 3 + kRounded;
+  constexpr double kPerBin = sizeof(std::int32_t) + (sizeof(std::int64_t) + 2 * sizeof(std::size_t)) / kBinsOfCell;
   constexpr double kRows = 2 * VoteHistogram::kRowsTogether + 6 * kVoteBlurReach + 1;
-  return bins * bins * kPerBin + bins * kRows * sizeof(double);
+  constexpr double kPeaksOfColumn = VoteHistogram::kRowsTogether * kPeaksOfBin * kGrowth * kPeakBytes;
+  return bins * bins * kPerBin + bins * (kRows * sizeof(double) + kPeaksOfColumn);
 }
 
 double bytes_of_map_feature(const FeatureOptions& features) {

@@ -20,7 +20,7 @@ bool is_vote_peak(const double* votes, std::ptrdiff_t stride);
 /// The votes for a square of bins under one turn and scale, smoothed along rows, then along columns.
 class VoteHistogram {
  public:
-  /// Of `bins` × `bins`, without votes. Takes 4 bytes a bin, and 2 KB a column; each bin with votes 4 to 12 more.
+  /// Of `bins` × `bins`, without votes. Takes 4 bytes a bin, and 1.6 KB a column; each bin with votes 4 to 12 more.
   explicit VoteHistogram(int bins);
 
   /// Adds a weight, in 1/kVoteUnit. Bins are counted from 0.

@@ -5,9 +5,6 @@
 #include <cmath>
 #include <complex>
 #include <cstdlib>
-#include <limits>
-#include <numeric>
-#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -173,9 +170,11 @@ class GroupSearch {
   /// Squares that may hold a peak with so many votes, the most promising first.
   std::vector<std::size_t> promising_cells(double least) {
     bound_cells();
+    const auto is_promising = [&](std::int64_t bound) { return most_votes_of(bound) >= least; };
     std::vector<std::size_t> promising;
+    promising.reserve(static_cast<std::size_t>(std::count_if(bound_.begin(), bound_.end(), is_promising)));
     for (std::size_t cell = 0; cell < bound_.size(); ++cell) {
-      if (most_votes(cell) >= least) promising.push_back(cell);
+      if (is_promising(bound_[cell])) promising.push_back(cell);
     }
     std::stable_sort(promising.begin(), promising.end(),
                      [&](std::size_t a, std::size_t b) { return bound_[a] > bound_[b]; });

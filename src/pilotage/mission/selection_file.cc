@@ -99,9 +99,7 @@ RouteProbability probability_from_json(JsonObject object) {
     probability.interval = interval_from_json(object.object("interval"));
   }
   probability.level_tiles = object.number_or_nan("level_tiles");
-  if (object.has("level_age_months")) {  // of files that do not have it yet, nothing is known
-    probability.level_age_months = object.number_or_nan("level_age_months");
-  }
+  probability.level_age_months = object.number_or_nan("level_age_months");
   object.text("rests_on");  // follows from the rest
   object.finish();
   return probability;

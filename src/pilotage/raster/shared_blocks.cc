@@ -1,13 +1,16 @@
 #include "pilotage/raster/shared_blocks.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <future>
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 namespace pilotage {
 namespace {
@@ -55,22 +58,15 @@ class Blocks {
     }
     Raster result{cv::Mat(window.height, window.width, type_of(source_)), cv::Mat(window.height, window.width, CV_8U),
                   source_.map_from_pixel.shifted(static_cast<double>(window.col), static_cast<double>(window.row))};
-    const std::int64_t end_col = window.col + window.width;
-    const std::int64_t end_row = window.row + window.height;
-    for (std::int64_t row = window.row / height_px_; row * height_px_ < end_row; ++row) {
-      for (std::int64_t col = window.col / width_px_; col * width_px_ < end_col; ++col) {
-        const Raster block = get({row, col});
-        const std::int64_t left = std::max(window.col, col * width_px_);
-        const std::int64_t top = std::max(window.row, row * height_px_);
-        const cv::Rect from(static_cast<int>(left - col * width_px_), static_cast<int>(top - row * height_px_),
-                            static_cast<int>(std::min(end_col, (col + 1) * width_px_) - left),
-                            static_cast<int>(std::min(end_row, (row + 1) * height_px_) - top));
-        const cv::Rect to(static_cast<int>(left - window.col), static_cast<int>(top - window.row), from.width,
-                          from.height);
-        block.pixels(from).copyTo(result.pixels(to));
-        block.valid(from).copyTo(result.valid(to));
+    std::vector<BlockIndex> in_work;
+    for (const BlockIndex& index : blocks_of(window)) {
+      if (const auto block = get(index, false)) {
+        copy_part(*block, index, window, result);
+      } else {
+        in_work.push_back(index);
       }
     }
+    for (const BlockIndex& index : in_work) copy_part(*get(index, true), index, window, result);
     return result;
   }
 
@@ -91,8 +87,33 @@ class Blocks {
     return begin % side == 0 && ((begin + length) % side == 0 || begin + length == extent);
   }
 
-  /// Of a block that another thread is making, waits until it is there.
-  Raster get(const BlockIndex& index) {
+  std::vector<BlockIndex> blocks_of(const PixelWindow& window) const {
+    std::vector<BlockIndex> blocks;
+    for (std::int64_t row = window.row / height_px_; row * height_px_ < window.row + window.height; ++row) {
+      for (std::int64_t col = window.col / width_px_; col * width_px_ < window.col + window.width; ++col) {
+        blocks.emplace_back(row, col);
+      }
+    }
+    return blocks;
+  }
+
+  /// What the window has of a block.
+  void copy_part(const Raster& block, const BlockIndex& index, const PixelWindow& window, Raster& result) const {
+    const std::int64_t first_col = index.second * width_px_;
+    const std::int64_t first_row = index.first * height_px_;
+    const std::int64_t left = std::max(window.col, first_col);
+    const std::int64_t top = std::max(window.row, first_row);
+    const cv::Rect from(static_cast<int>(left - first_col), static_cast<int>(top - first_row),
+                        static_cast<int>(std::min(window.col + window.width, first_col + width_px_) - left),
+                        static_cast<int>(std::min(window.row + window.height, first_row + height_px_) - top));
+    const cv::Rect to(static_cast<int>(left - window.col), static_cast<int>(top - window.row), from.width, from.height);
+    block.pixels(from).copyTo(result.pixels(to));
+    block.valid(from).copyTo(result.valid(to));
+  }
+
+  /// The block; of one that another thread is making nothing, or with `waits` when it is there. So threads that want
+  /// the same blocks make different ones at a time.
+  std::optional<Raster> get(const BlockIndex& index, bool waits) {
     std::promise<Raster> promise;
     {
       std::unique_lock lock(mutex_);
@@ -100,6 +121,7 @@ class Blocks {
         used_.splice(used_.begin(), used_, found->second.age);
         const std::shared_future<Raster> raster = found->second.raster;
         lock.unlock();
+        if (!waits && raster.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
         return raster.get();
       }
       used_.push_front(index);

@@ -272,7 +272,9 @@ std::vector<std::string> imagery_age_sentences(const ImageryAge& age) {
 std::string imagery_age_phrase(const ImageryAge& age, std::optional<bool> counted) {
   const std::string imagery = age.datasets.size() > 1 ? "imagery up to " : "imagery ";
   const DatasetAge* first = farthest_in_time(age);
-  if (first == nullptr) return "imagery of unknown age, which P(correct fix) does not count";
+  if (first == nullptr) {
+    return std::string("imagery of unknown age") + (counted ? ", which P(correct fix) does not count" : "");
+  }
   return imagery + age_text(first->age_months, farthest_season_months(age)) + counted_text(age, counted);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include <opencv2/imgproc.hpp>
 
@@ -108,31 +109,34 @@ std::vector<cv::Mat> MapStrip::components_of(const PixelWindow& part, int correl
   return result;
 }
 
-MapSample sample_map(const GraySource& source, const Progress& progress) {
-  constexpr int kSamples = 8;
+MapSample sample_map(const GraySource& source, int threads, const Progress& progress) {
+  constexpr std::size_t kSamples = 8;
   constexpr std::int64_t kSide = 32;
   struct Window {
     cv::Mat pixels;
     cv::Mat valid;
   };
-  std::vector<Window> windows;
+  const auto width = static_cast<int>(std::min(kSide, source.width_px));
+  const auto height = static_cast<int>(std::min(kSide, source.height_px));
+  std::vector<Window> windows(kSamples * kSamples);
+  std::mutex mutex;
+  parallel_for(windows.size(), threads, [&](std::size_t i, int) {
+    const auto column = static_cast<std::int64_t>(i / kSamples);
+    const auto row = static_cast<std::int64_t>(i % kSamples);
+    const PixelWindow place{(source.width_px - width) * column / (std::int64_t{kSamples} - 1),
+                            (source.height_px - height) * row / (std::int64_t{kSamples} - 1), width, height};
+    windows[i] = {cv::Mat(height, width, source.depth), cv::Mat(height, width, CV_8U)};
+    read_band(source, place, windows[i].pixels, windows[i].valid);
+    const std::lock_guard lock(mutex);
+    report_progress(progress, "score", 0, 0);
+  });
+  std::erase_if(windows, [](const Window& window) { return cv::countNonZero(window.valid) == 0; });
   double sum = 0;
   std::int64_t count = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    for (int j = 0; j < kSamples; ++j) {
-      report_progress(progress, "score", 0, 0);
-      const auto width = static_cast<int>(std::min(kSide, source.width_px));
-      const auto height = static_cast<int>(std::min(kSide, source.height_px));
-      const PixelWindow place{(source.width_px - width) * i / (kSamples - 1),
-                              (source.height_px - height) * j / (kSamples - 1), width, height};
-      Window window{cv::Mat(height, width, source.depth), cv::Mat(height, width, CV_8U)};
-      read_band(source, place, window.pixels, window.valid);
-      const int n = cv::countNonZero(window.valid);
-      if (n == 0) continue;
-      sum += cv::mean(window.pixels, window.valid)[0] * n;
-      count += n;
-      windows.push_back(std::move(window));
-    }
+  for (const Window& window : windows) {
+    const int n = cv::countNonZero(window.valid);
+    sum += cv::mean(window.pixels, window.valid)[0] * n;
+    count += n;
   }
   MapSample sample;
   if (count == 0) return sample;

@@ -47,7 +47,8 @@ struct MapSample {
   double diagonal_correlation_1px = 0;
   double diagonal_correlation_2px = 0;
 };
-MapSample sample_map(const GraySource& source, const Progress& progress = {});  ///< Throws Interrupted.
+/// The same for any number of threads (0 = all cores). Throws what the source throws; Interrupted.
+MapSample sample_map(const GraySource& source, int threads = 0, const Progress& progress = {});
 
 /// CV_64F integral images of `centred` and of its squares.
 struct StripIntegrals {

@@ -25,9 +25,9 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
                            const MatchabilityModel& model, std::span<const std::int64_t> tile_indices,
                            std::vector<TileScores>& scores, int threads, const Progress& progress);
 
-/// The options with what P of the ground's first level is held against (ScoreOptions::usual_fine_contrast) measured
-/// where they do not say it; as they are where no P is asked for, or no window of the ground counts. Scores are the
-/// same with it as without. Throws as usual_fine_contrast.
+/// The options for a ground of one level with what its P is held against (ScoreOptions::usual_fine_contrast) measured
+/// where they do not say it: scores are the same with it as without. As they are where no P is asked for, or no window
+/// of the ground counts. Throws as usual_fine_contrast.
 ScoreOptions with_usual_fine_contrast(const Ground& ground, const GroundImagery& imagery, ScoreOptions options,
                                       int threads = 0, const Progress& progress = {});
 

@@ -209,8 +209,8 @@ std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpFiel
                              warped_source(second, shared),
                              min_valid_fraction,
                              threads,
-                             sample_map(reference, progress).center,
-                             sample_map(second, progress).center};
+                             sample_map(reference, threads, progress).center,
+                             sample_map(second, threads, progress).center};
   const std::vector<ColumnTiles> groups = group_by_columns(level.matrix, tile_indices);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     report_progress(progress, "second epoch", static_cast<std::int64_t>(i), static_cast<std::int64_t>(groups.size()));

@@ -386,7 +386,7 @@ std::vector<TileScores> score_tiles(const GraySource& source, const TileMatrix& 
     }
   }
   if (scoring.surfaces()) {
-    const MapSample sample = sample_map(source, progress);
+    const MapSample sample = sample_map(source, scoring.threads, progress);
     scoring.center = sample.center;
     scoring.lag_step =
         options.every_lag || !scoring.clean() ? 1 : choose_lag_step(sample, matrix.tile_size_px, scoring.radius_px);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 
 #include "pilotage/base/nan.h"
 #include "pilotage/base/options.h"
@@ -11,6 +12,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
 #include "pilotage/ground/imagery_months.h"
+#include "pilotage/ground/tile_chances.h"
 #include "pilotage/matchability/level_at_age.h"
 #include "pilotage/matchability/matchability_model.h"
 #include "pilotage/matchability/reasons.h"
@@ -76,7 +78,10 @@ std::string age_phrase(const SurveyInput& input) {
   if (area.ground.flight_time.empty()) return "";
   const GeodeticPoint middle = area.ground.tiles[area.ground.tiles.size() / 2].center;
   const ImageryAge age = imagery_age(area.ground.imagery.datasets, middle, area.ground.flight_time);
-  const bool counted = counted_age_months(input.scores, std::vector<bool>(input.scores.size(), true)).has_value();
+  std::optional<bool> counted;
+  if (any_p_known(input.scores)) {
+    counted = counted_age_months(input.scores, std::vector<bool>(input.scores.size(), true)).has_value();
+  }
   return "; on " + area.ground.flight_time + " " + imagery_age_phrase(age, counted) + "; " + imagery_age_measured();
 }
 
