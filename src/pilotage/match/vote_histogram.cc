@@ -8,8 +8,6 @@
 namespace pilotage {
 namespace {
 
-constexpr std::size_t kTogether = 8;  // bins of a row that are smoothed at once
-
 std::array<double, 2 * kVoteBlurReach + 1> gaussian() {
   std::array<double, 2 * kVoteBlurReach + 1> weights{};
   double sum = 0;
@@ -20,26 +18,26 @@ std::array<double, 2 * kVoteBlurReach + 1> gaussian() {
   return weights;
 }
 
-// Sums of five numbers each, `step` apart; `width` is a multiple of kTogether. The wider instructions add and multiply
-// as the others do: there is no fused one among them. The choice is made while the program is loaded, when the thread
-// sanitizer cannot be called yet.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
-__attribute__((target_clones("avx2", "default")))
-#endif
-void smooth_row(const double* from, std::ptrdiff_t step, std::size_t width, const double* gaussian, double* sums) {
-  for (std::size_t x = 0; x < width; x += kTogether) {
-    std::array<double, kTogether> sum{};
-    for (std::ptrdiff_t k = 0; k <= 2 * kVoteBlurReach; ++k) {
-      const double* const next = from + static_cast<std::ptrdiff_t>(x) + k * step;
-      for (std::size_t i = 0; i < kTogether; ++i) sum[i] += gaussian[k] * next[i];
-    }
-    for (std::size_t i = 0; i < kTogether; ++i) sums[x + i] = sum[i];
-  }
-}
-
 }  // namespace
 
 const std::array<double, 2 * kVoteBlurReach + 1> kVoteGaussian = gaussian();
+
+// The wider instructions add and multiply as the others do: there is no fused one among them. The choice is made while
+// the program is loaded, when the thread sanitizer cannot be called yet.
+#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
+__attribute__((target_clones("avx2", "default")))
+#endif
+void smooth_votes(const double* from, std::ptrdiff_t step, std::size_t width, double* sums) {
+  const double* const gaussian = kVoteGaussian.data();
+  for (std::size_t x = 0; x < width; x += kVotesTogether) {
+    std::array<double, kVotesTogether> sum{};
+    for (std::ptrdiff_t k = 0; k <= 2 * kVoteBlurReach; ++k) {
+      const double* const next = from + static_cast<std::ptrdiff_t>(x) + k * step;
+      for (std::size_t i = 0; i < kVotesTogether; ++i) sum[i] += gaussian[k] * next[i];
+    }
+    for (std::size_t i = 0; i < kVotesTogether; ++i) sums[x + i] = sum[i];
+  }
+}
 
 bool is_vote_peak(const double* votes, std::ptrdiff_t stride) {
   for (int dy = -kVoteBlurReach; dy <= kVoteBlurReach; ++dy) {
@@ -52,7 +50,7 @@ bool is_vote_peak(const double* votes, std::ptrdiff_t stride) {
 
 VoteHistogram::VoteHistogram(int bins)
     : bins_(bins),
-      width_((static_cast<std::size_t>(bins) + kTogether - 1) / kTogether * kTogether),
+      width_((static_cast<std::size_t>(bins) + kVotesTogether - 1) / kVotesTogether * kVotesTogether),
       stride_(static_cast<std::ptrdiff_t>(width_) + 2 * kVoteBlurReach) {
   const auto stride = static_cast<std::size_t>(stride_);
   const auto rows = static_cast<std::size_t>(std::min(bins, kRowsTogether));
@@ -78,13 +76,13 @@ void VoteHistogram::smooth_from(int first_row) {
     }
     const std::int32_t* const weights = &weights_[weight_index(-kVoteBlurReach, row)];
     for (std::size_t x = 0; x < row_.size(); ++x) row_[x] = weights[x] / kVoteUnit;
-    smooth_row(row_.data(), 1, width_, kVoteGaussian.data(), sums);
+    smooth_votes(row_.data(), 1, width_, sums);
   }
   sums = &votes_[kVoteBlurReach];
   const double* rows = &along_rows_[kVoteBlurReach];
   for (int row = first_row - kVoteBlurReach; row < end_row + kVoteBlurReach; ++row, sums += stride_, rows += stride_) {
     const auto bins = static_cast<std::size_t>(is_row(row) ? bins_ : 0);
-    if (bins > 0) smooth_row(rows, stride_, width_, kVoteGaussian.data(), sums);
+    if (bins > 0) smooth_votes(rows, stride_, width_, sums);
     std::fill_n(sums + bins, width_ - bins, 0.0);  // there is no bin
   }
 }

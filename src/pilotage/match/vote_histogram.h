@@ -14,6 +14,13 @@ inline constexpr int kVoteBlurReach = 2;
 /// exp(−x²/2) at −2 … 2, of sum 1.
 extern const std::array<double, 2 * kVoteBlurReach + 1> kVoteGaussian;
 
+/// Bins of a row that are smoothed at once.
+inline constexpr std::size_t kVotesTogether = 8;
+
+/// Smooths `width` bins, a multiple of kVotesTogether, in one direction: each of `sums` is that of five numbers from
+/// `from` on, `step` apart, times kVoteGaussian, always added in the same order.
+void smooth_votes(const double* from, std::ptrdiff_t step, std::size_t width, double* sums);
+
 /// Whether none of the 5 × 5 votes about these exceeds them; rows lie `stride` apart.
 bool is_vote_peak(const double* votes, std::ptrdiff_t stride);
 
@@ -33,8 +40,7 @@ class VoteHistogram {
   void clear();
   /// Weights of a bin and of those right of it.
   const std::int32_t* weights_at(int col, int row) const { return &weights_[weight_index(col, row)]; }
-  /// Works out the votes of kRowsTogether rows from this one on, or of those that are left. Every sum is added in one
-  /// order, that of GroupSearch::smooth_patch() in vote_peaks.cc.
+  /// Works out the votes of kRowsTogether rows from this one on, or of those that are left.
   void smooth_from(int first_row);
   /// Votes of a bin of these rows, as is_vote_peak() takes them with stride(): beyond the square there are none.
   const double* votes_at(int col, int row) const {
@@ -51,7 +57,7 @@ class VoteHistogram {
   bool is_row(int row) const { return row >= 0 && row < bins_; }
 
   int bins_;
-  std::size_t width_;  ///< Bins of a row that are worked out: a multiple of what is smoothed at once.
+  std::size_t width_;  ///< Bins of a row that are worked out: a multiple of kVotesTogether.
   std::ptrdiff_t stride_;
   int first_row_ = 0;
   std::vector<std::int32_t> weights_;   ///< Rows have a margin of kVoteBlurReach empty bins, as the others.

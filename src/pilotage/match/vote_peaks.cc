@@ -277,10 +277,11 @@ class GroupSearch {
   /// Copies the patch's bins from the histogram; no peak in it has more votes than what is returned.
   double take_patch(int first_col, int first_row) {
     std::array<std::int32_t, static_cast<std::size_t>(kPatchBlocks) * kPatchBlocks> blocks{};
+    const bool all_inside = is_in_square(first_col, first_row, kPatchBins);
     for (int y = 0; y < kPatchBins; ++y) {
       std::int32_t* const row = &patch_[static_cast<std::size_t>(y * kPatchBins)];
       std::int32_t* const blocks_of_row = &blocks[static_cast<std::size_t>(y / kBlockBins * kPatchBlocks)];
-      if (is_in_square(first_col, first_row, kPatchBins)) {
+      if (all_inside) {
         std::copy_n(histogram_.weights_at(first_col, first_row + y), kPatchBins, row);
       } else {
         for (int x = 0; x < kPatchBins; ++x) {
@@ -305,28 +306,20 @@ class GroupSearch {
     return col >= 0 && row >= 0 && col + count <= bins_ && row + count <= bins_;
   }
 
-  /// Votes of the bins that are at least kVoteBlurReach within the patch. Every sum is added in one order, wherever the
-  /// bin lies in a patch; many bins at a time, for speed.
+  /// Votes of the bins that are at least kVoteBlurReach within the patch.
   void smooth_patch(int first_col, int first_row) {
     constexpr std::size_t kSide = kPatchBins;
     constexpr std::size_t kReach = kVoteBlurReach;
+    constexpr std::size_t kWithin = kSide - 2 * kReach;
+    static_assert(kWithin % kVotesTogether == 0);
     std::array<double, kSide * kSide> bins;
-    std::array<double, kSide * kSide> along_rows{};
+    std::array<double, kSide * kSide> along_rows;
     for (std::size_t i = 0; i < bins.size(); ++i) bins[i] = patch_[i] / kVoteUnit;
     for (std::size_t y = 0; y < kSide; ++y) {
-      for (std::size_t k = 0; k < kVoteGaussian.size(); ++k) {
-        double* const sum = &along_rows[y * kSide + kReach];
-        const double* const bin = &bins[y * kSide + k];
-        for (std::size_t x = 0; x < kSide - 2 * kReach; ++x) sum[x] += kVoteGaussian[k] * bin[x];
-      }
+      smooth_votes(&bins[y * kSide], 1, kWithin, &along_rows[y * kSide + kReach]);
     }
-    votes_.fill(0);
     for (std::size_t y = kReach; y < kSide - kReach; ++y) {
-      for (std::size_t k = 0; k < kVoteGaussian.size(); ++k) {
-        double* const sum = &votes_[y * kSide + kReach];
-        const double* const row = &along_rows[(y + k - kReach) * kSide + kReach];
-        for (std::size_t x = 0; x < kSide - 2 * kReach; ++x) sum[x] += kVoteGaussian[k] * row[x];
-      }
+      smooth_votes(&along_rows[(y - kReach) * kSide + kReach], kSide, kWithin, &votes_[y * kSide + kReach]);
     }
     if (is_in_square(first_col, first_row, kPatchBins)) return;
     for (int y = 0; y < kPatchBins; ++y) {  // beyond the square there is no bin
