@@ -79,8 +79,10 @@ TEST(FlownSteps, LookAheadAsPropagationDoes) {
     const FlownSteps steps(mission.flight, {3, 4}, model, 47);
     InsState state = update_with_fix(propagate(initial_ins_state(model, 90, 20), 30, 90, 20, model), 2);
     state = propagate(state, steps[0]);
+    const InsState* const only = &state;
     const InsState later = propagate(state, 47, steps[0].heading_deg, steps[0].speed_mps, model);
-    EXPECT_NEAR(steps.error_ahead_m(1, state, 3), position_error_m(later, 3), 1e-9 * position_error_m(later, 3));
+    EXPECT_NEAR(steps.errors_ahead_m(1, InsSpan(state), {&only, 1}, 3).front(), position_error_m(later, 3),
+                1e-9 * position_error_m(later, 3));
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -33,8 +32,8 @@ Eigen::Matrix2d enu_from_body(double heading_deg) {
   return (Eigen::Matrix2d() << s, c, c, -s).finished();
 }
 
-/// The states before these are driven by others; these drive, and decay by themselves.
-constexpr int kDrivers = kAccelBias;
+constexpr int kDriven = InsStep::kDriven;
+constexpr int kDriving = InsStep::kDriving;
 
 /// d(error)/dt = F · error for constant heading and speed. The map's error, which no state drives and which drives
 /// none, is not in it.
@@ -61,23 +60,21 @@ Matrix system_matrix(const InsErrorModel& model, double heading_deg, double spee
   return f;
 }
 
+using Vector = Eigen::Matrix<double, InsState::kSize, 1>;
+
 /// Spectral densities of the white noise that drives each state.
-Matrix noise_density(const InsErrorModel& model) {
+Vector noise_density(const InsErrorModel& model) {
   const auto square = [](double x) { return x * x; };
-  Matrix q = Matrix::Zero();
+  Vector q = Vector::Zero();
   if (!model.is_odometry()) {
-    q.block<2, 2>(kVelocity, kVelocity).diagonal().setConstant(square(model.velocity_random_walk_mps_rt_s));
-    q.block<2, 2>(kAid, kAid)
-        .diagonal()
-        .setConstant(2 * square(model.velocity_aid_sigma_mps) / model.velocity_aid_correlation_s);
+    q.segment<2>(kVelocity).setConstant(square(model.velocity_random_walk_mps_rt_s));
+    q.segment<2>(kAid).setConstant(2 * square(model.velocity_aid_sigma_mps) / model.velocity_aid_correlation_s);
   }
-  for (int i = kTilt; i <= kHeading; ++i) q(i, i) = square(model.angle_random_walk_rad_rt_s);
+  q.segment<3>(kTilt).setConstant(square(model.angle_random_walk_rad_rt_s));
   if (model.bias_correlation_s > 0) {
     // A first-order Gauss-Markov process that starts, and stays, at its standard deviation.
-    for (int i = kAccelBias; i != kGyroBias; ++i)
-      q(i, i) = 2 * square(model.accel_bias_mps2) / model.bias_correlation_s;
-    for (int i = kGyroBias; i <= kGyroBiasZ; ++i)
-      q(i, i) = 2 * square(model.gyro_bias_radps) / model.bias_correlation_s;
+    q.segment<2>(kAccelBias).setConstant(2 * square(model.accel_bias_mps2) / model.bias_correlation_s);
+    q.segment<3>(kGyroBias).setConstant(2 * square(model.gyro_bias_radps) / model.bias_correlation_s);
   }
   return q;
 }
@@ -88,7 +85,16 @@ class Transition {
  public:
   explicit Transition(const Matrix& f) {
     powers_[0] = f;
-    for (std::size_t k = 1; k < powers_.size(); ++k) powers_[k].noalias() = powers_[k - 1] * f;
+    for (std::size_t k = 1; k < powers_.size(); ++k) powers_[k].setZero();
+    std::vector<InsStep::Entry> driving;  // most of F is 0
+    for (int col = 0; col < InsState::kSize; ++col) {
+      for (int row = 0; row < InsState::kSize; ++row) {
+        if (f(row, col) != 0) driving.push_back({row, col, f(row, col)});
+      }
+    }
+    for (std::size_t k = 1; k < powers_.size(); ++k) {
+      for (const InsStep::Entry& e : driving) powers_[k].col(e.col) += e.value * powers_[k - 1].col(e.row);
+    }
   }
 
   Matrix at(double t_s) const {
@@ -107,7 +113,7 @@ class Transition {
 
 /// ∫ Φ(s) Q Φ(s)ᵀ ds from 0 to dt by Gauss-Legendre with four nodes: exact for polynomials of degree 7, and the longest
 /// chain of the noise (bias → tilt → velocity → position) has degree 6.
-Matrix step_noise(const Transition& transition, const Matrix& q, double dt_s) {
+Matrix step_noise(const Transition& transition, const Vector& q, double dt_s) {
   constexpr std::array<double, 4> kNodes = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281,
                                             0.9305681557970263};
   constexpr std::array<double, 4> kWeights = {0.17392742256872692, 0.3260725774312731, 0.3260725774312731,
@@ -115,7 +121,11 @@ Matrix step_noise(const Transition& transition, const Matrix& q, double dt_s) {
   Matrix sum = Matrix::Zero();
   for (std::size_t i = 0; i < kNodes.size(); ++i) {
     const Matrix partial = transition.at(kNodes[i] * dt_s);
-    sum += (kWeights[i] * dt_s) * (partial * q * partial.transpose());
+    for (int k = 0; k < InsState::kSize; ++k) {
+      if (q(k) == 0) continue;
+      const Vector driven = std::sqrt(kWeights[i] * dt_s * q(k)) * partial.col(k);
+      sum += driven.lazyProduct(driven.transpose());
+    }
   }
   return sum;
 }
@@ -127,25 +137,6 @@ double longest_step_s(const InsErrorModel& model, bool aided) {
   if (aided) step_s = std::min(step_s, kMaxStepOfCorrelation * model.velocity_aid_correlation_s);
   return step_s;
 }
-
-/// What a change of heading and speed at one instant makes of the errors: this matrix times them.
-Matrix manoeuvre_jump(double from_heading_deg, double from_speed_mps, double heading_deg, double speed_mps,
-                      bool odometry) {
-  const double turn_rad = std::remainder(heading_deg - from_heading_deg, 360.0) * kRadPerDeg;
-  Matrix jump = Matrix::Identity();
-  jump(kHeading, kGyroScale) = turn_rad;
-  if (odometry) return jump;
-  const Eigen::Vector2d change_mps =
-      enu_from_body(heading_deg).col(0) * speed_mps - enu_from_body(from_heading_deg).col(0) * from_speed_mps;
-  jump.block<2, 1>(kVelocity, kAccelScale) = change_mps;
-  // The acceleration is resolved along axes turned clockwise by the heading error (half of the turn's own share).
-  const Eigen::Vector2d turned(change_mps.y(), -change_mps.x());
-  jump.block<2, 1>(kVelocity, kHeading) = turned;
-  jump.block<2, 1>(kVelocity, kGyroScale) = 0.5 * turn_rad * turned;
-  return jump;
-}
-
-using Vector = Eigen::Matrix<double, InsState::kSize, 1>;
 
 /// A measurement of the combination `h` of the errors that leaves it with the variance `most`; nothing where it has no
 /// more. With the variance v before, its noise is most v / (v − most). Joseph form, one rank at a time: after an hour
@@ -180,6 +171,22 @@ double largest_variance(const Eigen::Matrix2d& covariance) {
 }
 
 }  // namespace
+
+Matrix manoeuvre_jump(double from_heading_deg, double from_speed_mps, double heading_deg, double speed_mps,
+                      bool odometry) {
+  const double turn_rad = std::remainder(heading_deg - from_heading_deg, 360.0) * kRadPerDeg;
+  Matrix jump = Matrix::Identity();
+  jump(kHeading, kGyroScale) = turn_rad;
+  if (odometry) return jump;
+  const Eigen::Vector2d change_mps =
+      enu_from_body(heading_deg).col(0) * speed_mps - enu_from_body(from_heading_deg).col(0) * from_speed_mps;
+  jump.block<2, 1>(kVelocity, kAccelScale) = change_mps;
+  // The acceleration is resolved along axes turned clockwise by the heading error (half of the turn's own share).
+  const Eigen::Vector2d turned(change_mps.y(), -change_mps.x());
+  jump.block<2, 1>(kVelocity, kHeading) = turned;
+  jump.block<2, 1>(kVelocity, kGyroScale) = 0.5 * turn_rad * turned;
+  return jump;
+}
 
 void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odometry, InsEstimate::Errors* errors) {
   if (heading_deg == state.heading_deg && speed_mps == state.speed_mps) return;
@@ -240,26 +247,30 @@ InsStep make_ins_step(double dt_s, double heading_deg, double speed_mps, const I
         .diagonal()
         .setConstant((1 - decay * decay) * model.map_sigma_m * model.map_sigma_m);
   }
-  for (int row = 0; row < kDrivers; ++row) {
-    for (int col = 0; col < InsState::kSize; ++col) {
-      if (step.phi(row, col) != 0) step.driving.push_back({row, col, step.phi(row, col)});
-    }
-  }
+  step.drive();
   return step;
 }
 
+void InsStep::drive() {
+  driving.clear();
+  for (int row = 0; row < kDriven; ++row) {
+    for (int col = 0; col < InsState::kSize; ++col) {
+      if (phi(row, col) != 0) driving.push_back({row, col, phi(row, col)});
+    }
+  }
+}
+
 Matrix covariance_after_part(const Matrix& covariance, const InsStep& step) {
-  constexpr int kDriving = InsState::kSize - kDrivers;
   const Eigen::Matrix<double, kDriving, 1> decay = step.phi.diagonal().tail<kDriving>();
   // P Φᵀ, its first columns; most of Φ is 0.
-  Eigen::Matrix<double, InsState::kSize, kDrivers> half = Eigen::Matrix<double, InsState::kSize, kDrivers>::Zero();
+  Eigen::Matrix<double, InsState::kSize, kDriven> half = Eigen::Matrix<double, InsState::kSize, kDriven>::Zero();
   for (const InsStep::Entry& e : step.driving) half.col(e.row) += e.value * covariance.col(e.col);
   Matrix grown;
-  grown.topLeftCorner<kDrivers, kDrivers>().setZero();
+  grown.topLeftCorner<kDriven, kDriven>().setZero();
   for (const InsStep::Entry& e : step.driving) {
     for (int i = 0; i <= e.row; ++i) grown(i, e.row) += e.value * half(e.col, i);
   }
-  grown.topRightCorner<kDrivers, kDriving>() = half.bottomRows<kDriving>().transpose() * decay.asDiagonal();
+  grown.topRightCorner<kDriven, kDriving>() = half.bottomRows<kDriving>().transpose() * decay.asDiagonal();
   grown.bottomRightCorner<kDriving, kDriving>() =
       decay.asDiagonal() * covariance.bottomRightCorner<kDriving, kDriving>() * decay.asDiagonal();
   for (int j = 0; j < InsState::kSize; ++j) {
@@ -368,23 +379,6 @@ double position_error_m(const InsState& state, double sigma_multiple) {
 
 double position_error_m(const Eigen::Matrix2d& position_covariance_m2, double sigma_multiple) {
   return sigma_multiple * std::sqrt(largest_variance(position_covariance_m2));
-}
-
-PositionAhead::PositionAhead(const InsStep& step) {
-  assert(!step.aided);
-  Matrix all = Matrix::Identity();
-  noise.setZero();
-  for (double i = 0; i < step.parts; ++i) {
-    const auto rows = all.topRows<2>();
-    noise += rows * step.noise * rows.transpose();
-    all = (all * step.phi).eval();
-  }
-  phi = all.topRows<2>();
-}
-
-Eigen::Matrix2d PositionAhead::covariance_m2(const InsState& state) const {
-  return phi.lazyProduct(Eigen::Matrix<double, InsState::kSize, 2>(state.covariance.lazyProduct(phi.transpose()))) +
-         noise;
 }
 
 AttitudeError attitude_error(const InsState& state, double sigma_multiple) {

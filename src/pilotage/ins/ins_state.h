@@ -79,22 +79,17 @@ struct InsStep {
   };
   std::vector<Entry> driving;
   InsState::Covariance noise;  ///< What one part adds.
+
+  /// States before this one are driven by others; from it on they drive, and only decay themselves.
+  static constexpr int kDriven = InsState::kAccelBias;
+  static constexpr int kDriving = InsState::kSize - kDriven;
+  void drive();  ///< Fills `driving` from `phi`.
 };
 InsStep make_ins_step(double dt_s, double heading_deg, double speed_mps, const InsErrorModel& model);
 InsState propagate(const InsState& state, const InsStep& step);
 
 /// Φ P Φᵀ and what is added over one of the step's parts, without its aiding velocity: symmetric to the bit.
 InsState::Covariance covariance_after_part(const InsState::Covariance& covariance, const InsStep& step);
-
-/// The position's covariance after a way flown straight on by `step`: that of propagate(), at a tenth of the work for
-/// many states. For steps without an aiding velocity.
-struct PositionAhead {
-  Eigen::Matrix<double, 2, InsState::kSize> phi;
-  Eigen::Matrix2d noise;
-
-  explicit PositionAhead(const InsStep& step);
-  Eigen::Matrix2d covariance_m2(const InsState& state) const;
-};
 
 /// What a position fix measures of the errors: that of the position less that of the map.
 Eigen::Matrix<double, 2, InsState::kSize> fix_by_map();
@@ -116,6 +111,10 @@ struct InsEstimate {
   InsState state;
   Errors errors = Errors::Zero();  ///< Expected, in the order of InsState: computed minus true for the position.
 };
+
+/// What a change of heading and speed at one instant makes of the errors: this matrix times them.
+InsState::Covariance manoeuvre_jump(double from_heading_deg, double from_speed_mps, double heading_deg,
+                                    double speed_mps, bool odometry);
 
 /// A change of heading and speed at one instant: what a turn and an acceleration do to the errors, of which `errors`,
 /// if not null, are those that there are.

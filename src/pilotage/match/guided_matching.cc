@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include <Eigen/Cholesky>
 
@@ -26,66 +25,117 @@ double parabola_offset(double before, double middle, double after) {
   return curvature <= 0 ? 0 : std::clamp((before - after) / (2 * curvature), -0.5, 0.5);
 }
 
+/// Features whose places are worked out together, by wide instructions where the machine has them.
+constexpr std::size_t kTogether = 8;
+
+/// Where the features of a map lie, in groups of kTogether; the last one is filled up.
+struct MapPlaces {
+  std::vector<double> x_px;
+  std::vector<double> y_px;
+  std::vector<double> shrink;  // 1 / Relief::stretch
+
+  explicit MapPlaces(const LocalMap& map) {
+    const std::size_t groups = (map.features.size() + kTogether - 1) / kTogether;
+    for (std::vector<double>* const numbers : {&x_px, &y_px, &shrink}) numbers->resize(groups * kTogether);
+    for (std::size_t i = 0; i < map.features.size(); ++i) {
+      x_px[i] = static_cast<double>(map.features.features[i].x_px);
+      y_px[i] = static_cast<double>(map.features.features[i].y_px);
+      shrink[i] = 1 / map.stretch_of(i);
+    }
+  }
+};
+
+using Together = std::array<double, kTogether>;
+
+/// Where features are expected in the frame.
+struct ExpectedPlaces {
+  Together x_px;
+  Together y_px;
+  Together column;  // of the frame's grid; its whole part is the nearest point's
+  Together row;
+  Together inside;  // the frame's grid, if above 0: its least distance from an edge
+};
+
+/// Of kTogether features from `first` on, under a placement.
+// The wider instructions add and multiply as the others do: there is no fused one among them. The choice is made while
+// the program is loaded, when the thread sanitizer cannot be called yet.
+#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
+__attribute__((target_clones("avx2", "default")))
+#endif
+void expect_features(const MapPlaces& map, std::size_t first, const PlacementTransform& placement,
+                     const PivotedFrame& frame, ExpectedPlaces& places) {
+  const Eigen::Vector2d nadir_px = frame.nadir_px - frame.pivot_px;
+  const double step_px = frame.grid.step_px;
+  const double columns = frame.grid.columns;
+  const double rows = frame.grid.rows;
+  ExpectedPlaces found;
+  for (std::size_t i = 0; i < kTogether; ++i) {
+    const double x = map.x_px[first + i];
+    const double y = map.y_px[first + i];
+    const double shrink = map.shrink[first + i];
+    found.x_px[i] = nadir_px.x() + shrink * (placement.frame_x(x, y) - nadir_px.x()) + frame.pivot_px.x();
+    found.y_px[i] = nadir_px.y() + shrink * (placement.frame_y(x, y) - nadir_px.y()) + frame.pivot_px.y();
+  }
+  for (std::size_t i = 0; i < kTogether; ++i) {
+    found.column[i] = (found.x_px[i] - 0.5) / step_px + 0.5;
+    found.row[i] = (found.y_px[i] - 0.5) / step_px + 0.5;
+  }
+  for (std::size_t i = 0; i < kTogether; ++i) {
+    const double beside = std::min(found.column[i], columns - found.column[i]);
+    const double above = std::min(found.row[i], rows - found.row[i]);
+    found.inside[i] = std::min(beside, above);
+  }
+  places = found;
+}
+
+/// A feature of the map that the frame should show, and the nearest point of the frame around its expected place.
+struct SeenFeature {
+  std::size_t map_feature;
+  Eigen::Vector2d expected_px;  // in the frame
+  std::size_t point;            // of the frame's grid
+  std::uint32_t distance_bits;
+};
+
 class GuidedSearch {
  public:
-  GuidedSearch(const PivotedFrame& frame, const LocalMap& map) : frame_(frame), map_(map) {}
+  GuidedSearch(const PivotedFrame& frame, const LocalMap& map)
+      : frame_(frame), map_(map), places_(map), nearest_(map.features.size()) {}
 
-  /// The features of the map that may lie on a point of the frame, in their order: the others are too far from the
-  /// centre for any turn.
-  std::vector<std::size_t> features_within(const Placement& placement) const {
-    const double level_reach_px = placement.scale * (frame_.radius_px + frame_.grid.step_px);
-    const double nadir_px = placement.scale * (frame_.nadir_px - frame_.pivot_px).norm();
-    std::vector<std::size_t> within;
-    for (std::size_t i = 0; i < map_.features.size(); ++i) {
-      const Feature& feature = map_.features.features[i];
-      const double dx = static_cast<double>(feature.x_px) - placement.center_px.x();
-      const double dy = static_cast<double>(feature.y_px) - placement.center_px.y();
-      const double stretch = map_.stretch_of(i);
-      const double reach_px = stretch * level_reach_px + std::abs(1 - stretch) * nadir_px;
-      if (dx * dx + dy * dy <= reach_px * reach_px) within.push_back(i);
-    }
-    return within;
-  }
-
-  /// The best pair for a feature within `reach` grid steps of its expected place, or nothing when the frame has no
-  /// point there.
-  std::optional<GuidedPair> find(std::size_t feature, const PlacementTransform& placement, int reach) const {
+  /// Calls act(SeenFeature) for every feature of the map, in their order, that has a point of the frame at its expected
+  /// place. Compared are the points within `reach` grid steps of that.
+  template <typename Act>
+  void for_seen_features(const PlacementTransform& placement, int reach, const Act& act) {
     const FrameGrid& grid = frame_.grid;
-    const Feature& of_map = map_.features.features[feature];
-    GuidedPair pair;
-    pair.map_feature = feature;
-    pair.map_px = {static_cast<double>(of_map.x_px), static_cast<double>(of_map.y_px)};
-    const double stretch = map_.stretch_of(feature);
-    const Eigen::Vector2d expected =
-        frame_.stretched(placement.frame_from_map(pair.map_px), 1 / stretch) + frame_.pivot_px;
-    const double column = std::round((expected.x() - 0.5) / grid.step_px);
-    const double row = std::round((expected.y() - 0.5) / grid.step_px);
-    if (!(column >= 0 && row >= 0 && column < grid.columns && row < grid.rows)) return std::nullopt;
-    if (grid.at(static_cast<int>(column), static_cast<int>(row)) < 0) return std::nullopt;
-
-    std::array<const std::uint8_t*, (2 * kMaxReach + 1) * (2 * kMaxReach + 1)> candidates;
-    std::array<std::int32_t, (2 * kMaxReach + 1) * (2 * kMaxReach + 1)> points;
-    std::size_t count = 0;
-    const int middle_column = static_cast<int>(column);
-    const int middle_row = static_cast<int>(row);
-    const int first_column = std::max(middle_column - reach, 0);
-    const int last_column = std::min(middle_column + reach, grid.columns - 1);
-    for (int y = std::max(middle_row - reach, 0); y <= std::min(middle_row + reach, grid.rows - 1); ++y) {
-      const std::int32_t* const in_row = grid.index.data() + static_cast<std::ptrdiff_t>(y) * grid.columns;
-      for (int x = first_column; x <= last_column; ++x) {
-        if (in_row[x] < 0) continue;
-        candidates[count] = grid.points.descriptor(static_cast<std::size_t>(in_row[x]));
-        points[count++] = in_row[x];
+    ExpectedPlaces places;
+    for (std::size_t first = 0; first < map_.features.size(); first += kTogether) {
+      expect_features(places_, first, placement, frame_, places);
+      const std::size_t count = std::min(kTogether, map_.features.size() - first);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (!(places.inside[i] > 0)) continue;
+        const GridCell cell{static_cast<int>(places.column[i]), static_cast<int>(places.row[i])};
+        if (grid.at(cell.column, cell.row) < 0) continue;
+        const NearestPoint& nearest = nearest_point(first + i, cell, reach);
+        act(SeenFeature{first + i,
+                        {places.x_px[i], places.y_px[i]},
+                        static_cast<std::size_t>(grid.at(nearest.at.column, nearest.at.row)),
+                        nearest.distance_bits});
       }
     }
-    const NearestDescriptor nearest = nearest_descriptor(map_.features.descriptor(feature), candidates.data(), count,
-                                                         static_cast<std::size_t>(map_.features.descriptor_bytes));
-    const Feature& point = grid.points.features[static_cast<std::size_t>(points[nearest.index])];
-    const Eigen::Vector2d place(static_cast<double>(point.x_px), static_cast<double>(point.y_px));
-    pair.from_pivot_px = place - frame_.pivot_px;
-    pair.ground_from_pivot_px = frame_.stretched(pair.from_pivot_px, stretch);
-    pair.distance = nearest.distance / bits(map_);
-    pair.residual_px = (place - expected).norm();
+  }
+
+  double distance(const SeenFeature& seen) const { return seen.distance_bits / bits(map_); }
+
+  double residual_px(const SeenFeature& seen) const { return (place(seen.point) - seen.expected_px).norm(); }
+
+  GuidedPair pair(const SeenFeature& seen) const {
+    const Feature& of_map = map_.features.features[seen.map_feature];
+    GuidedPair pair;
+    pair.map_feature = seen.map_feature;
+    pair.map_px = {static_cast<double>(of_map.x_px), static_cast<double>(of_map.y_px)};
+    pair.from_pivot_px = place(seen.point) - frame_.pivot_px;
+    pair.ground_from_pivot_px = frame_.stretched(pair.from_pivot_px, map_.stretch_of(seen.map_feature));
+    pair.distance = distance(seen);
+    pair.residual_px = residual_px(seen);
     return pair;
   }
 
@@ -101,6 +151,58 @@ class GuidedSearch {
   }
 
  private:
+  struct GridCell {
+    int column;
+    int row;
+    bool operator==(const GridCell&) const = default;
+  };
+
+  struct NearestPoint {
+    GridCell about{-1, -1};  // searched last
+    int reach = 0;           // likewise
+    GridCell at{-1, -1};
+    std::uint32_t distance_bits = 0;
+  };
+
+  /// The point with the nearest descriptor, the first of equal ones, within `reach` steps of a cell. Rounds and
+  /// neighbouring candidates move most features by less than a step: what was found about the same cell, by a wider
+  /// search too if it lies within reach, is found again.
+  const NearestPoint& nearest_point(std::size_t feature, const GridCell& about, int reach) {
+    NearestPoint& nearest = nearest_[feature];
+    const bool is_known = nearest.about == about && nearest.reach >= reach &&
+                          std::abs(nearest.at.column - about.column) <= reach &&
+                          std::abs(nearest.at.row - about.row) <= reach;
+    if (!is_known) nearest = search(feature, about, reach);
+    return nearest;
+  }
+
+  NearestPoint search(std::size_t feature, const GridCell& about, int reach) const {
+    constexpr std::size_t kMostPoints = (2 * kMaxReach + 1) * (2 * kMaxReach + 1);
+    const FrameGrid& grid = frame_.grid;
+    std::array<const std::uint8_t*, kMostPoints> candidates;
+    std::array<GridCell, kMostPoints> cells;
+    std::size_t count = 0;
+    const int first_column = std::max(about.column - reach, 0);
+    const int last_column = std::min(about.column + reach, grid.columns - 1);
+    for (int y = std::max(about.row - reach, 0); y <= std::min(about.row + reach, grid.rows - 1); ++y) {
+      const std::int32_t* const in_row = grid.index.data() + static_cast<std::ptrdiff_t>(y) * grid.columns;
+      for (int x = first_column; x <= last_column; ++x) {
+        if (in_row[x] < 0) continue;
+        candidates[count] = grid.points.descriptor(static_cast<std::size_t>(in_row[x]));
+        cells[count++] = {x, y};
+      }
+    }
+    const NearestDescriptor nearest = nearest_descriptor(map_.features.descriptor(feature), candidates.data(), count,
+                                                         static_cast<std::size_t>(map_.features.descriptor_bytes));
+    return {about, reach, cells[nearest.index], nearest.distance};
+  }
+
+  /// Of a point of the grid, in the frame.
+  Eigen::Vector2d place(std::size_t point) const {
+    const Feature& of_frame = frame_.grid.points.features[point];
+    return {static_cast<double>(of_frame.x_px), static_cast<double>(of_frame.y_px)};
+  }
+
   double distance_at(const GuidedPair& pair, int column, int row) const {
     const std::int32_t point = frame_.grid.at(column, row);
     if (point < 0) return pair.distance;
@@ -113,6 +215,8 @@ class GuidedSearch {
 
   const PivotedFrame& frame_;
   const LocalMap& map_;
+  MapPlaces places_;
+  std::vector<NearestPoint> nearest_;  // of each feature of the map
 };
 
 /// Weighted least squares for center, a = scale·cos(yaw), b = scale·sin(yaw), with the prior's turn and scale.
@@ -180,8 +284,9 @@ class SimilarityFit {
   int pairs_ = 0;
 };
 
-bool supports(const GuidedPair& pair, const BinaryDescriptor& descriptor) {
-  return pair.distance < descriptor.support_distance && pair.residual_px <= kSupportResidualPx;
+/// Whether what was seen of a feature speaks for the placement that it was expected under.
+bool supports(const GuidedSearch& search, const SeenFeature& seen, const BinaryDescriptor& descriptor) {
+  return search.distance(seen) < descriptor.support_distance && search.residual_px(seen) <= kSupportResidualPx;
 }
 
 }  // namespace
@@ -190,46 +295,44 @@ double GuidedMatch::evidence() const {
   return supporters + kVoteValue * votes;
 }
 
-GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
-                         const Candidate& candidate) {
+std::vector<GuidedMatch> match_guided(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
+                                      std::span<const Candidate> candidates, const Checkpoint& checkpoint) {
   const BinaryDescriptor& descriptor = descriptor_of(map.features);
-  const GuidedSearch search(frame, map);
-  GuidedMatch match;
-  match.placement = candidate.placement;
-  match.votes = candidate.votes;
-  constexpr std::array<int, 3> kReach{kMaxReach, 1, 1};
-  for (std::size_t round = 0; round < kReach.size(); ++round) {
-    const bool last = round + 1 == kReach.size();
-    SimilarityFit fit(match.placement, space, descriptor);
-    const PlacementTransform transform(match.placement);
-    for (const std::size_t feature : search.features_within(match.placement)) {
-      const auto pair = search.find(feature, transform, kReach[round]);
-      if (!pair) continue;
-      if (last) {
-        ++match.expected;
-        match.supporters += supports(*pair, descriptor) ? 1 : 0;
-      } else {
-        fit.add(*pair);
-      }
+  GuidedSearch search(frame, map);
+  std::vector<GuidedMatch> matches;
+  for (const Candidate& candidate : candidates) {
+    pass(checkpoint);
+    GuidedMatch& match = matches.emplace_back();
+    match.placement = candidate.placement;
+    match.votes = candidate.votes;
+    for (const int reach : {kMaxReach, 1}) {
+      SimilarityFit fit(match.placement, space, descriptor);
+      search.for_seen_features(PlacementTransform(match.placement), reach, [&](const SeenFeature& seen) {
+        if (search.distance(seen) < descriptor.fit_distance) fit.add(search.pair(seen));
+      });
+      match.placement = fit.solve();
     }
-    if (!last) match.placement = fit.solve();
+    search.for_seen_features(PlacementTransform(match.placement), 1, [&](const SeenFeature& seen) {
+      ++match.expected;
+      match.supporters += supports(search, seen, descriptor) ? 1 : 0;
+    });
   }
-  return match;
+  return matches;
 }
 
 std::vector<GuidedPair> supporting_pairs(const PivotedFrame& frame, const LocalMap& map, const Placement& placement) {
   const BinaryDescriptor& descriptor = descriptor_of(map.features);
-  const GuidedSearch search(frame, map);
+  GuidedSearch search(frame, map);
   const PlacementTransform transform(placement);
   std::vector<GuidedPair> pairs;
-  for (const std::size_t feature : search.features_within(placement)) {
-    auto pair = search.find(feature, transform, 1);
-    if (!pair || !supports(*pair, descriptor)) continue;
-    pair->from_pivot_px = search.between_points(*pair);
-    pair->ground_from_pivot_px = frame.stretched(pair->from_pivot_px, map.stretch_of(feature));
-    pair->residual_px = (pair->map_px - transform.map_from_frame(pair->ground_from_pivot_px)).norm();
-    pairs.push_back(*pair);
-  }
+  search.for_seen_features(transform, 1, [&](const SeenFeature& seen) {
+    if (!supports(search, seen, descriptor)) return;
+    GuidedPair pair = search.pair(seen);
+    pair.from_pivot_px = search.between_points(pair);
+    pair.ground_from_pivot_px = frame.stretched(pair.from_pivot_px, map.stretch_of(pair.map_feature));
+    pair.residual_px = (pair.map_px - transform.map_from_frame(pair.ground_from_pivot_px)).norm();
+    pairs.push_back(pair);
+  });
   return pairs;
 }
 

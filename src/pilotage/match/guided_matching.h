@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,12 +33,12 @@ struct GuidedMatch {
 inline constexpr double kSupportResidualPx = 1.6;
 inline constexpr double kVoteValue = 10;
 
-/// Looks for every map feature that lies inside the frame, under the candidate's placement, among the frame's points
+/// Looks for every map feature that lies inside the frame, under a candidate's placement, among the frame's points
 /// around its expected place (that of its own height: Relief::stretch), and fits turn, scale and centre to the pairs
 /// by weighted least squares with the prior of `space`; three rounds, with a smaller neighbourhood after the first.
-/// Unlike votes this needs no descriptor to be among the nearest of the whole window.
-GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
-                         const Candidate& candidate);
+/// Unlike votes this needs no descriptor to be among the nearest of the whole window. One answer for each candidate.
+std::vector<GuidedMatch> match_guided(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
+                                      std::span<const Candidate> candidates, const Checkpoint& checkpoint = {});
 
 /// The supporters of a placement.
 std::vector<GuidedPair> supporting_pairs(const PivotedFrame& frame, const LocalMap& map, const Placement& placement);

@@ -162,34 +162,30 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
                                         const std::optional<ChipComparison>& chips,
                                         const std::optional<LandmarkSearch>& landmarks, double gsd_m,
                                         const Checkpoint& checkpoint) {
-  std::vector<GuidedMatch> matches;
-  for (const Candidate& candidate : vote_for_displacements(frame, map, space, kCandidates, checkpoint)) {
-    pass(checkpoint);
-    matches.push_back(match_guided(frame, map, space, candidate));
-  }
+  std::vector<GuidedMatch> matches =
+      match_guided(frame, map, space, vote_for_displacements(frame, map, space, kCandidates, checkpoint), checkpoint);
   std::stable_sort(matches.begin(), matches.end(),
                    [](const GuidedMatch& a, const GuidedMatch& b) { return a.evidence() > b.evidence(); });
   if (matches.size() > kRankedPlaces) matches.resize(kRankedPlaces);
   const double min_distance_px = std::max(kMinRivalDistance_m / gsd_m, kPeakSeparationPx);
-  if (chips && chips->best.found) {
-    matches.push_back(match_guided(frame, map, space, {chips->placement(chips->best), 0}));
-  }
+  std::vector<Candidate> without_votes;
+  if (chips && chips->best.found) without_votes.push_back({chips->placement(chips->best), 0});
   if (chips && chips->directions) {
     for (const DirectionPlace& place : direction_places(*chips->directions, kDirectionPlaces, min_distance_px)) {
-      pass(checkpoint);
-      matches.push_back(match_guided(frame, map, space, {chips->placement(place), 0}));
+      without_votes.push_back({chips->placement(place), 0});
     }
   }
+  std::vector<GuidedMatch> by_landmarks;
   if (landmarks) {
     for (const Placement& place :
          landmark_places(frame, *landmarks, space, kLandmarkPlaces, min_distance_px, checkpoint)) {
-      pass(checkpoint);
-      matches.push_back(match_guided(frame, map, space, {place, 0}));
+      without_votes.push_back({place, 0});
       // As the landmarks have it, too: few features may draw a place away from them.
-      GuidedMatch alone;
-      alone.placement = place;
-      matches.push_back(alone);
+      by_landmarks.emplace_back().placement = place;
     }
+  }
+  for (const auto& more : {match_guided(frame, map, space, without_votes, checkpoint), by_landmarks}) {
+    matches.insert(matches.end(), more.begin(), more.end());
   }
   if (matches.empty()) return std::nullopt;
   std::vector<RankedPlace> ranked;

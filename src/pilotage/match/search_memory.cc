@@ -46,8 +46,9 @@ double bytes_of_map_feature(const FeatureOptions& features) {
   constexpr double kTouchedBin = kGrowth * sizeof(std::uint32_t);      // vote_histogram.cc
   constexpr double kPointOfGround = 2 * kGrowth * 3 * sizeof(double);  // relief.cc, ground_heights.cc
   const double feature = sizeof(Feature) + features.descriptor_bits / 8.0 + sizeof(std::int64_t) + 2 * sizeof(float);
+  constexpr double kNearestPoint = 6 * sizeof(std::int32_t) + 3 * sizeof(double);  // guided_matching.cc
   const double pair = kGrowth * sizeof(VotePair) + kTouchedBin;
-  return kGrowth * feature + kPointOfGround + kVoteNeighbours * pair;
+  return kGrowth * feature + kPointOfGround + kNearestPoint + kVoteNeighbours * pair;
 }
 
 }  // namespace pilotage

@@ -1,7 +1,6 @@
 // A flight predicted in the page: that of the report with other settings (page_what_if.js), or along a line that is drawn
-// (page_sketch.js). The formulas of src/pilotage/select (route_error.cc, fix_attempts.cc, route_probability.cc, worst_loss.cc),
-// but for how the many flights that fly alike are flown on (page_ins.js). Long work is done by generators, which yield so that
-// the page stays alive.
+// (page_sketch.js). The formulas of src/pilotage/select (route_error.cc, fix_attempts.cc, route_probability.cc, worst_loss.cc).
+// Long work is done by generators, which yield so that the page stays alive.
 
 function numbersOf(base64) {
   const text = atob(base64);

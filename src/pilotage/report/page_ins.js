@@ -1,4 +1,4 @@
-// The error model of the inertial system: the formulas of src/pilotage/ins/ins_state.cc and drift.cc on the same numbers.
+// The error model of the inertial system: the formulas of src/pilotage/ins (ins_state.cc, ins_span.cc, drift.cc) on the same numbers.
 // A covariance is a row after row Float64Array of 18 × 18; the order of the states is that of ins_state.h.
 const insSize = 18;
 const insState = { position: 0, velocity: 2, tilt: 4, heading: 6, accelBias: 7, gyroBias: 9, gyroBiasZ: 11, accelScale: 12, gyroScale: 13, aid: 14,
@@ -324,7 +324,7 @@ function positionAhead(step) {
   return { rows, added };
 }
 
-// ---- Many states that fly alike ----
+// ---- Many states that fly alike (ins/ins_span.h) ----
 // Where errors only grow (no GNSS, no aiding velocity), a state is not flown step by step: its covariance C stays as it was at
 // the span's first sample. With Ψ the transition from there and Q what was added on the way, that at the sample is Ψ C Ψᵀ + Q,
 // of which a position asks for two rows. A fix changes C as if it were measured with h Ψ, where Ψ⁻¹ Q hᵀ joins its C Ψᵀ hᵀ.

@@ -79,18 +79,19 @@ FixChain make_fix_chain(const FlightPath& path, const std::vector<FixAttempt>& a
 
   RouteChances chances = route_chances(attempts, p_of_tile, sample_count, {});
   for (const FixAttempt& attempt : attempts) chances.p[attempt.sample] = std::max(chances.p[attempt.sample], kFaint);
-  const FlightStretch flight = fly_stretch(path, path.steps, chances, 0, sample_count, first_branches(path));
+  std::vector<FlightBranch> fixes;
+  fly_stretch(path, path.steps, chances, 0, sample_count, first_branches(path), &fixes);
 
   FixChain chain;
   chain.last.push_back(fly_on(path, steps, 0, first_branches(path).front().state));
-  auto fix = flight.fixes.begin();
+  auto fix = fixes.begin();
   for (std::size_t k = 0; k < attempts.size(); ++k) {
-    while (fix != flight.fixes.end() && fix->fix_sample < attempts[k].sample) ++fix;
-    auto likeliest = flight.fixes.end();  // of the groups that this fix made
-    for (; fix != flight.fixes.end() && fix->fix_sample == attempts[k].sample; ++fix) {
-      if (likeliest == flight.fixes.end() || fix->probability > likeliest->probability) likeliest = fix;
+    while (fix != fixes.end() && fix->fix_sample < attempts[k].sample) ++fix;
+    auto likeliest = fixes.end();  // of the groups that this fix made
+    for (; fix != fixes.end() && fix->fix_sample == attempts[k].sample; ++fix) {
+      if (likeliest == fixes.end() || fix->probability > likeliest->probability) likeliest = fix;
     }
-    chain.last.push_back(likeliest != flight.fixes.end() ? fly_on(path, steps, k + 1, likeliest->state) : k + 1);
+    chain.last.push_back(likeliest != fixes.end() ? fly_on(path, steps, k + 1, likeliest->state) : k + 1);
   }
   return chain;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "pilotage/base/angle.h"
 
@@ -47,10 +48,17 @@ FlownSteps::FlownSteps(const Flight& flight, const Eigen::Vector2d& wind_mps, co
   }
 }
 
-double FlownSteps::error_ahead_m(std::size_t i, const InsState& state, double sigma_multiple) const {
+std::vector<double> FlownSteps::errors_ahead_m(std::size_t i, const InsSpan& span,
+                                               std::span<const InsState* const> states, double sigma_multiple) const {
   const std::size_t flown = index_.empty() ? 0 : index_[i > 0 ? i - 1 : 0];
-  if (aheads_.empty()) return position_error_m(propagate(state, horizons_[flown]), sigma_multiple);
-  return position_error_m(aheads_[flown].covariance_m2(state), sigma_multiple);
+  std::optional<PositionAhead> ahead;
+  if (!aheads_.empty()) ahead = span.position_after(aheads_[flown]);
+  std::vector<double> errors_m;
+  for (const InsState* const state : states) {
+    errors_m.push_back(ahead ? position_error_m(ahead->covariance_m2(state->covariance), sigma_multiple)
+                             : position_error_m(propagate(span.end_of(*state), horizons_[flown]), sigma_multiple));
+  }
+  return errors_m;
 }
 
 }  // namespace pilotage

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "pilotage/ins/ins_state.h"
+#include "pilotage/ins/ins_span.h"
 #include "pilotage/mission/mission.h"
 
 namespace pilotage {
@@ -19,7 +20,7 @@ double ground_speed_mps(double airspeed_mps, double azimuth_deg, const Eigen::Ve
 class FlownSteps {
  public:
   FlownSteps() = default;
-  /// `horizon_s` is what error_ahead_m() looks ahead.
+  /// `horizon_s` is what errors_ahead_m() looks ahead.
   FlownSteps(const Flight& flight, const Eigen::Vector2d& wind_mps, const InsErrorModel& model, double horizon_s = 0);
 
   std::size_t size() const { return index_.size(); }
@@ -27,8 +28,10 @@ class FlownSteps {
   const std::vector<InsStep>& distinct() const { return distinct_; }
   std::size_t index(std::size_t i) const { return index_[i]; }  ///< Into distinct().
 
-  /// The position error (k·σ) of a state at sample i a horizon later, flown straight on as it came there.
-  double error_ahead_m(std::size_t i, const InsState& state, double sigma_multiple) const;
+  /// The position errors (k·σ) a horizon after sample i, flown straight on as it was reached, of states at the begin of
+  /// a span that ends there.
+  std::vector<double> errors_ahead_m(std::size_t i, const InsSpan& span, std::span<const InsState* const> states,
+                                     double sigma_multiple) const;
 
  private:
   std::vector<InsStep> distinct_;

@@ -23,7 +23,7 @@ constexpr double kSearchSigmas = 3;  // to each side of a prior
 
 // How far the branch's flights are off the line that their navigation holds them on: rms of an axis.
 double off_line_m(const FlightBranch& branch) {
-  return std::sqrt(branch.state.covariance.topLeftCorner<2, 2>().trace() / 2);
+  return std::sqrt(branch.position_covariance_m2.trace() / 2);
 }
 
 // Share of the square of half side 1 that lies beyond a circle of this radius around its middle.
@@ -39,11 +39,35 @@ double total_probability(const std::vector<FlightBranch>& branches) {
   return total;
 }
 
+// The flights of a stretch: their branches, whose states are those of the span's begin, and the span from there.
+struct FlownStretch {
+  FlightStretch stretch;
+  InsSpan span;
+
+  // Another span begins where the states are.
+  void begin_span() {
+    if (!stretch.branches.empty()) span = InsSpan(stretch.branches.front().state);
+  }
+  // The states become those at the span's end, where another begins.
+  void end_span() {
+    for (FlightBranch& branch : stretch.branches) branch.state = span.end_of(branch.state);
+    begin_span();
+  }
+};
+
+void see_positions(FlownStretch& flown) {
+  const PositionAhead position = flown.span.position();
+  for (FlightBranch& branch : flown.stretch.branches) {
+    branch.position_covariance_m2 = position.covariance_m2(branch.state.covariance);
+  }
+}
+
 // Takes out the branches beyond the limit, and those that hold next to nothing.
 void lose_flights(const FlightPath& path, std::size_t sample, FlightStretch& stretch) {
   const double least = kLeastShare * total_probability(stretch.branches);
   std::erase_if(stretch.branches, [&](const FlightBranch& branch) {
-    const bool beyond = !(position_error_m(branch.state, path.model.sigma_multiple) <= path.max_error_m);
+    const bool beyond =
+        !(position_error_m(branch.position_covariance_m2, path.model.sigma_multiple) <= path.max_error_m);
     if (beyond) stretch.losses.push_back({branch.fix_sample, sample, branch.probability});
     return beyond || branch.probability <= least;
   });
@@ -72,10 +96,11 @@ std::vector<std::size_t> group_ends(const std::vector<FixedBranch>& fixed, doubl
 }
 
 std::vector<FlightBranch> merge_alike(const FlightPath& path, const FlownSteps& steps, std::size_t sample,
-                                      std::vector<FixedBranch> fixed) {
-  for (FixedBranch& after : fixed) {
-    after.error_m = steps.error_ahead_m(sample, after.branch.state, path.model.sigma_multiple);
-  }
+                                      const InsSpan& span, std::vector<FixedBranch> fixed) {
+  std::vector<const InsState*> states;
+  for (const FixedBranch& after : fixed) states.push_back(&after.branch.state);
+  const std::vector<double> errors_m = steps.errors_ahead_m(sample, span, states, path.model.sigma_multiple);
+  for (std::size_t i = 0; i < fixed.size(); ++i) fixed[i].error_m = errors_m[i];
   std::stable_sort(fixed.begin(), fixed.end(), [](const auto& a, const auto& b) {
     return std::tuple(a.branch.u_low, a.branch.u_high, a.error_m) <
            std::tuple(b.branch.u_low, b.branch.u_high, b.error_m);
@@ -101,12 +126,15 @@ std::vector<FlightBranch> merge_alike(const FlightPath& path, const FlownSteps& 
 
 // Parts of all branches get a fix at the sample and become new branches.
 void take_fix(const FlightPath& path, const FlownSteps& steps, const RouteChances& chances, std::size_t sample,
-              FlightStretch& stretch) {
+              FlownStretch& flown, std::vector<FlightBranch>* fixes) {
   const double p = path.frames_that_come * chances.p[sample];  // on the line
   if (!(p > 0)) return;
+  FlightStretch& stretch = flown.stretch;
+  const SpanFix fix(flown.span, path.model.fix_sigma_m);
   std::vector<FixedBranch> fixed;
   for (FlightBranch& branch : stretch.branches) {
-    if (branch.state.time_s - branch.fix_time_s < chances.fix_interval_s - 1e-9) continue;
+    const double time_s = branch.state.time_s + flown.span.dt_s();
+    if (time_s - branch.fix_time_s < chances.fix_interval_s - 1e-9) continue;
     if (branch.window != chances.window[sample]) {
       branch.window = chances.window[sample];
       branch.u_low = 0;
@@ -121,14 +149,14 @@ void take_fix(const FlightPath& path, const FlownSteps& steps, const RouteChance
       FlightBranch after = branch;
       after.fixed_on_stretch = true;
       after.fix_sample = sample;
-      after.fix_time_s = branch.state.time_s;
+      after.fix_time_s = time_s;
       after.probability *= share;
       after.u_high = std::min(branch.u_high, p);
-      after.state = update_with_fix(branch.state, path.model.fix_sigma_m);
+      after.state.covariance = fix.fixed(branch.state.covariance);
       fixed.push_back({after});
     }
     const double searched_m = kSearchSigmas / path.model.sigma_multiple *
-                              std::hypot(position_error_m(branch.state, path.model.sigma_multiple),
+                              std::hypot(position_error_m(branch.position_covariance_m2, path.model.sigma_multiple),
                                          path.model.sigma_multiple * path.model.map_sigma_m);
     branch.probability *= (1 - share) * (1 - path.frames_that_come * chances.false_fix_rate *
                                                  share_beyond(path.max_error_m / searched_m));
@@ -137,17 +165,33 @@ void take_fix(const FlightPath& path, const FlownSteps& steps, const RouteChance
   }
   std::erase_if(stretch.branches, [](const FlightBranch& branch) { return branch.probability <= 0; });
   if (fixed.empty()) return;
-  for (const FlightBranch& group : merge_alike(path, steps, sample, std::move(fixed))) {
+  for (const FlightBranch& group : merge_alike(path, steps, sample, flown.span, std::move(fixed))) {
     stretch.branches.push_back(group);
-    stretch.fixes.push_back(group);
+    if (fixes == nullptr) continue;
+    fixes->push_back(group);
+    fixes->back().state = flown.span.end_of(group.state);
   }
 }
 
-void take_gnss(const FlightPath& path, std::size_t sample, std::vector<FlightBranch>& branches) {
-  for (FlightBranch& branch : branches) {
+// The states are those at the sample.
+void take_gnss(const FlightPath& path, std::size_t sample, FlownStretch& flown) {
+  for (FlightBranch& branch : flown.stretch.branches) {
     branch.fix_sample = sample;
     branch.state = held_with_gnss(path, sample, branch.state);
   }
+  flown.begin_span();
+}
+
+// One step on. The states become those there where the span must end, where the step has an aiding velocity, and where
+// the span becomes long.
+void fly_on(const InsStep& step, bool ends_span, FlownStretch& flown) {
+  if (step.aided || (ends_span && flown.span.dt_s() == 0)) {
+    for (FlightBranch& branch : flown.stretch.branches) branch.state = propagate(branch.state, step);
+    flown.begin_span();
+    return;
+  }
+  flown.span.fly(step);
+  if (ends_span || flown.span.is_long()) flown.end_span();
 }
 
 // The value below which `share` of the weight of (value, weight) lies.
@@ -241,22 +285,29 @@ std::vector<FlightBranch> first_branches(const FlightPath& path) {
 }
 
 FlightStretch fly_stretch(const FlightPath& path, const FlownSteps& steps, const RouteChances& chances,
-                          std::size_t begin, std::size_t end, std::vector<FlightBranch> branches) {
+                          std::size_t begin, std::size_t end, std::vector<FlightBranch> branches,
+                          std::vector<FlightBranch>* fixes) {
   assert(end <= chances.p.size() && chances.p.size() == path.mission->flight.samples.size());
-  FlightStretch stretch;
+  FlownStretch flown{{}, InsSpan(branches.empty() ? InsState() : branches.front().state)};
+  FlightStretch& stretch = flown.stretch;
   stretch.branches = std::move(branches);
   for (FlightBranch& branch : stretch.branches) branch.fixed_on_stretch = false;
   for (std::size_t i = begin; i < end; ++i) {
+    see_positions(flown);
     lose_flights(path, i, stretch);
     const double before = stretch.p_within_limit.empty() ? 1.0 : stretch.p_within_limit.back();
     stretch.p_within_limit.push_back(std::min(before, total_probability(stretch.branches)));  // sums are rounded
-    if (path.gnss.at_sample[i]) take_gnss(path, i, stretch.branches);
-    take_fix(path, steps, chances, i, stretch);
+    if (path.gnss.at_sample[i]) {
+      take_gnss(path, i, flown);
+      see_positions(flown);
+    }
+    take_fix(path, steps, chances, i, flown, fixes);
     if (i >= steps.size()) continue;
-    for (FlightBranch& branch : stretch.branches) branch.state = propagate(branch.state, steps[i]);
-    if (path.gnss.over_step[i]) take_gnss(path, i + 1, stretch.branches);
+    fly_on(steps[i], i + 1 == end || path.gnss.over_step[i] || path.gnss.at_sample[i + 1], flown);
+    if (path.gnss.over_step[i]) take_gnss(path, i + 1, flown);
   }
-  return stretch;
+  if (flown.span.dt_s() > 0) flown.end_span();
+  return std::move(flown.stretch);
 }
 
 RouteSurvival predict_survival(const FlightPath& path, std::span<const LevelChances> levels, int threads,

@@ -52,7 +52,8 @@ struct FlightBranch {
   std::int64_t window = -1;  ///< Of the last try. Its draw u is known to be in [u_low, u_high).
   double u_low = 0;
   double u_high = 1;
-  bool fixed_on_stretch = false;  ///< On the stretch that fly_stretch() flies.
+  bool fixed_on_stretch = false;                                     ///< On the stretch that fly_stretch() flies.
+  Eigen::Matrix2d position_covariance_m2 = Eigen::Matrix2d::Zero();  ///< Where its error was judged last.
 };
 
 /// Flights that came to an error beyond the limit.
@@ -67,7 +68,6 @@ struct FlightStretch {
   std::vector<double> p_within_limit;  ///< After each sample's error has been held against the limit.
   double p_fix = 0;                    ///< P of at least one fix on it while within the limit.
   std::vector<FlightBranch> branches;  ///< At sample `end`, before its error is judged; at the route's end as they are.
-  std::vector<FlightBranch> fixes;     ///< The branches right after the fix that made them, by sample.
   std::vector<LostFlights> losses;     ///< In the order of the flight.
 };
 
@@ -91,8 +91,13 @@ std::vector<FlightBranch> first_branches(const FlightPath& path);
 /// Of the tries with a frame that give no correct fix, the share RouteChances::false_fix_rate gives a false one, which
 /// lies anywhere in the square of 3 σ to each side that the matcher searches; flights that it puts beyond the limit are
 /// lost. That it may be refused is not counted on.
+///
+/// Between changes of GNSS the covariances are not flown sample by sample (ins/ins_span.h).
+///
+/// `fixes`, if not null, gets the branches right after the fix that made them, by sample.
 FlightStretch fly_stretch(const FlightPath& path, const FlownSteps& steps, const RouteChances& chances,
-                          std::size_t begin, std::size_t end, std::vector<FlightBranch> branches);
+                          std::size_t begin, std::size_t end, std::vector<FlightBranch> branches,
+                          std::vector<FlightBranch>* fixes = nullptr);
 
 /// What the route's chances are.
 struct RouteSurvival {
