@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "pilotage/base/wide_clones.h"
 #include "pilotage/vision/hamming_distance.h"
 
 namespace pilotage {
@@ -56,36 +57,66 @@ struct ExpectedPlaces {
   Together inside;  // the frame's grid, if above 0: its least distance from an edge
 };
 
-/// Of kTogether features from `first` on, under a placement.
-// The wider instructions add and multiply as the others do: there is no fused one among them. The choice is made while
-// the program is loaded, when the thread sanitizer cannot be called yet.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
-__attribute__((target_clones("avx2", "default")))
-#endif
-void expect_features(const MapPlaces& map, std::size_t first, const PlacementTransform& placement,
-                     const PivotedFrame& frame, ExpectedPlaces& places) {
-  const Eigen::Vector2d nadir_px = frame.nadir_px - frame.pivot_px;
-  const double step_px = frame.grid.step_px;
-  const double columns = frame.grid.columns;
-  const double rows = frame.grid.rows;
-  ExpectedPlaces found;
+/// What Placement::frame_from_map() and PivotedFrame::stretched() take, as plain numbers.
+struct Expectation {
+  double center_x_px;
+  double center_y_px;
+  double scale;
+  double cosine;
+  double sine;
+  double nadir_x_px;  // from the pivot
+  double nadir_y_px;
+  double pivot_x_px;
+  double pivot_y_px;
+  double per_step;  // exact for steps of two pixels
+  double columns;
+  double rows;
+
+  Expectation(const PivotedFrame& frame, const Placement& placement)
+      : center_x_px(placement.center_px.x()),
+        center_y_px(placement.center_px.y()),
+        scale(placement.scale),
+        cosine(std::cos(placement.yaw_rad)),
+        sine(std::sin(placement.yaw_rad)),
+        nadir_x_px(frame.nadir_px.x() - frame.pivot_px.x()),
+        nadir_y_px(frame.nadir_px.y() - frame.pivot_px.y()),
+        pivot_x_px(frame.pivot_px.x()),
+        pivot_y_px(frame.pivot_px.y()),
+        per_step(1.0 / frame.grid.step_px),
+        columns(frame.grid.columns),
+        rows(frame.grid.rows) {}
+};
+
+/// Of kTogether features.
+PILOTAGE_WIDE_CLONES
+void expect_features(const double* map_x_px, const double* map_y_px, const double* shrink, const Expectation& under,
+                     ExpectedPlaces& places) {
+  const Expectation by = under;
+  Together x;
+  Together y;
   for (std::size_t i = 0; i < kTogether; ++i) {
-    const double x = map.x_px[first + i];
-    const double y = map.y_px[first + i];
-    const double shrink = map.shrink[first + i];
-    found.x_px[i] = nadir_px.x() + shrink * (placement.frame_x(x, y) - nadir_px.x()) + frame.pivot_px.x();
-    found.y_px[i] = nadir_px.y() + shrink * (placement.frame_y(x, y) - nadir_px.y()) + frame.pivot_px.y();
+    const double right = (map_x_px[i] - by.center_x_px) / by.scale;
+    const double down = (map_y_px[i] - by.center_y_px) / by.scale;
+    const double frame_x = by.cosine * right + by.sine * down;
+    const double frame_y = -by.sine * right + by.cosine * down;
+    x[i] = by.nadir_x_px + shrink[i] * (frame_x - by.nadir_x_px) + by.pivot_x_px;
+    y[i] = by.nadir_y_px + shrink[i] * (frame_y - by.nadir_y_px) + by.pivot_y_px;
   }
+  Together column;
+  Together row;
+  Together inside;
   for (std::size_t i = 0; i < kTogether; ++i) {
-    found.column[i] = (found.x_px[i] - 0.5) / step_px + 0.5;
-    found.row[i] = (found.y_px[i] - 0.5) / step_px + 0.5;
+    column[i] = (x[i] - 0.5) * by.per_step + 0.5;
+    row[i] = (y[i] - 0.5) * by.per_step + 0.5;
+    const double beside = std::min(column[i], by.columns - column[i]);
+    const double above = std::min(row[i], by.rows - row[i]);
+    inside[i] = std::min(beside, above);
   }
-  for (std::size_t i = 0; i < kTogether; ++i) {
-    const double beside = std::min(found.column[i], columns - found.column[i]);
-    const double above = std::min(found.row[i], rows - found.row[i]);
-    found.inside[i] = std::min(beside, above);
-  }
-  places = found;
+  places.x_px = x;
+  places.y_px = y;
+  places.column = column;
+  places.row = row;
+  places.inside = inside;
 }
 
 /// A feature of the map that the frame should show, and the nearest point of the frame around its expected place.
@@ -104,11 +135,12 @@ class GuidedSearch {
   /// Calls act(SeenFeature) for every feature of the map, in their order, that has a point of the frame at its expected
   /// place. Compared are the points within `reach` grid steps of that.
   template <typename Act>
-  void for_seen_features(const PlacementTransform& placement, int reach, const Act& act) {
+  void for_seen_features(const Placement& placement, int reach, const Act& act) {
     const FrameGrid& grid = frame_.grid;
+    const Expectation under(frame_, placement);
     ExpectedPlaces places;
     for (std::size_t first = 0; first < map_.features.size(); first += kTogether) {
-      expect_features(places_, first, placement, frame_, places);
+      expect_features(&places_.x_px[first], &places_.y_px[first], &places_.shrink[first], under, places);
       const std::size_t count = std::min(kTogether, map_.features.size() - first);
       for (std::size_t i = 0; i < count; ++i) {
         if (!(places.inside[i] > 0)) continue;
@@ -307,12 +339,12 @@ std::vector<GuidedMatch> match_guided(const PivotedFrame& frame, const LocalMap&
     match.votes = candidate.votes;
     for (const int reach : {kMaxReach, 1}) {
       SimilarityFit fit(match.placement, space, descriptor);
-      search.for_seen_features(PlacementTransform(match.placement), reach, [&](const SeenFeature& seen) {
+      search.for_seen_features(match.placement, reach, [&](const SeenFeature& seen) {
         if (search.distance(seen) < descriptor.fit_distance) fit.add(search.pair(seen));
       });
       match.placement = fit.solve();
     }
-    search.for_seen_features(PlacementTransform(match.placement), 1, [&](const SeenFeature& seen) {
+    search.for_seen_features(match.placement, 1, [&](const SeenFeature& seen) {
       ++match.expected;
       match.supporters += supports(search, seen, descriptor) ? 1 : 0;
     });
@@ -325,7 +357,7 @@ std::vector<GuidedPair> supporting_pairs(const PivotedFrame& frame, const LocalM
   GuidedSearch search(frame, map);
   const PlacementTransform transform(placement);
   std::vector<GuidedPair> pairs;
-  search.for_seen_features(transform, 1, [&](const SeenFeature& seen) {
+  search.for_seen_features(placement, 1, [&](const SeenFeature& seen) {
     if (!supports(search, seen, descriptor)) return;
     GuidedPair pair = search.pair(seen);
     pair.from_pivot_px = search.between_points(pair);

@@ -43,11 +43,11 @@ double bytes_to_vote(double half_width_px) {
 }
 
 double bytes_of_map_feature(const FeatureOptions& features) {
-  constexpr double kTouchedBin = kGrowth * sizeof(std::uint32_t);      // vote_histogram.cc
-  constexpr double kPointOfGround = 2 * kGrowth * 3 * sizeof(double);  // relief.cc, ground_heights.cc
+  constexpr double kVoter = 4 * sizeof(double) + 2 * sizeof(std::int32_t);  // vote_histogram.h
+  constexpr double kPointOfGround = 2 * kGrowth * 3 * sizeof(double);       // relief.cc, ground_heights.cc
   const double feature = sizeof(Feature) + features.descriptor_bits / 8.0 + sizeof(std::int64_t) + 2 * sizeof(float);
   constexpr double kNearestPoint = 6 * sizeof(std::int32_t) + 3 * sizeof(double);  // guided_matching.cc
-  const double pair = kGrowth * sizeof(VotePair) + kTouchedBin;
+  const double pair = kGrowth * sizeof(VotePair) + kVoter;
   return kGrowth * feature + kPointOfGround + kNearestPoint + kVoteNeighbours * pair;
 }
 

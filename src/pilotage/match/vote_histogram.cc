@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pilotage/match/vote_peaks.h"
+#include "pilotage/base/wide_clones.h"
 
 namespace pilotage {
 namespace {
@@ -22,11 +22,47 @@ std::array<double, 2 * kVoteBlurReach + 1> gaussian() {
 
 const std::array<double, 2 * kVoteBlurReach + 1> kVoteGaussian = gaussian();
 
-// The wider instructions add and multiply as the others do: there is no fused one among them. The choice is made while
-// the program is loaded, when the thread sanitizer cannot be called yet.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
-__attribute__((target_clones("avx2", "default")))
-#endif
+namespace {
+
+using Together = std::array<double, kVotesTogether>;
+
+/// Where pairs vote, in bins: those of the square, and the least and the most of the two numbers that tell whether it
+/// is in the square.
+struct BinsOfPairs {
+  Together col;
+  Together row;
+  Together least;
+  Together most;
+};
+
+/// kVotesTogether pairs: the first of their numbers.
+struct PairsTogether {
+  const double* x_px;
+  const double* y_px;
+  const double* from_pivot_x_px;
+  const double* from_pivot_y_px;
+};
+
+PILOTAGE_WIDE_CLONES
+void place_pairs(const PairsTogether& pairs, double cosine, double sine, int bins, BinsOfPairs& places) {
+  const double last = bins - 1;
+  BinsOfPairs found;
+  for (std::size_t i = 0; i < kVotesTogether; ++i) {
+    const double x = pairs.from_pivot_x_px[i];
+    const double y = pairs.from_pivot_y_px[i];
+    const double col = (pairs.x_px[i] - (cosine * x - sine * y)) / kVoteBinPx;
+    const double row = (pairs.y_px[i] - (sine * x + cosine * y)) / kVoteBinPx;
+    found.least[i] = std::min(col, row);
+    found.most[i] = std::max(col, row);
+    found.col[i] = std::min(std::max(col, 0.0), last);
+    found.row[i] = std::min(std::max(row, 0.0), last);
+  }
+  places = found;
+}
+
+}  // namespace
+
+PILOTAGE_WIDE_CLONES
 void smooth_votes(const double* from, std::ptrdiff_t step, std::size_t width, double* sums) {
   const double* const gaussian = kVoteGaussian.data();
   for (std::size_t x = 0; x < width; x += kVotesTogether) {
@@ -48,21 +84,50 @@ bool is_vote_peak(const double* votes, std::ptrdiff_t stride) {
   return true;
 }
 
-VoteHistogram::VoteHistogram(int bins)
+VoteHistogram::VoteHistogram(int bins, const Eigen::Vector2d& corner_px, const std::vector<VotePair>& pairs)
     : bins_(bins),
       width_((static_cast<std::size_t>(bins) + kVotesTogether - 1) / kVotesTogether * kVotesTogether),
       stride_(static_cast<std::ptrdiff_t>(width_) + 2 * kVoteBlurReach) {
   const auto stride = static_cast<std::size_t>(stride_);
   const auto rows = static_cast<std::size_t>(std::min(bins, kRowsTogether));
-  weights_.resize(static_cast<std::size_t>(bins) * stride);
+  weights_.resize(static_cast<std::size_t>(bins) * stride + 1);
   row_.resize(stride);
   along_rows_.resize((rows + 4 * kVoteBlurReach) * stride);
   votes_.resize((rows + 2 * kVoteBlurReach) * stride);
+  const std::size_t groups = (pairs.size() + kVotesTogether - 1) / kVotesTogether;
+  for (std::vector<double>* const numbers : {&x_px_, &y_px_, &from_pivot_x_px_, &from_pivot_y_px_}) {
+    numbers->resize(groups * kVotesTogether);
+  }
+  weight_of_pair_.resize(groups * kVotesTogether);
+  touched_.resize(groups * kVotesTogether);
+  for (std::size_t i = 0; i < groups * kVotesTogether; ++i) {
+    const bool is_pair = i < pairs.size();
+    x_px_[i] = is_pair ? pairs[i].map_px.x() - corner_px.x() : -kVoteBinPx;
+    y_px_[i] = is_pair ? pairs[i].map_px.y() - corner_px.y() : -kVoteBinPx;
+    from_pivot_x_px_[i] = is_pair ? pairs[i].from_pivot_px.x() : 0;
+    from_pivot_y_px_[i] = is_pair ? pairs[i].from_pivot_px.y() : 0;
+    weight_of_pair_[i] = is_pair ? pairs[i].weight : 0;
+  }
 }
 
-void VoteHistogram::clear() {
-  for (const std::uint32_t index : touched_) weights_[index] = 0;
-  touched_.clear();
+void VoteHistogram::fill(double cosine, double sine) {
+  for (std::size_t i = 0; i < touched_count_; ++i) weights_[touched_[i]] = 0;
+  touched_count_ = 0;
+  const std::size_t nowhere = weights_.size() - 1;
+  BinsOfPairs bins;
+  for (std::size_t first = 0; first < x_px_.size(); first += kVotesTogether) {
+    place_pairs({&x_px_[first], &y_px_[first], &from_pivot_x_px_[first], &from_pivot_y_px_[first]}, cosine, sine, bins_,
+                bins);
+    // Without a branch: which pairs lie in the square no processor guesses.
+    for (std::size_t i = 0; i < kVotesTogether; ++i) {
+      const bool inside = bins.least[i] >= 0 && bins.most[i] < bins_;
+      const std::size_t in_square = weight_index(static_cast<int>(bins.col[i]), static_cast<int>(bins.row[i]));
+      const std::size_t index = inside ? in_square : nowhere;
+      touched_[touched_count_] = static_cast<std::uint32_t>(index);
+      touched_count_ += weights_[index] == 0 ? 1 : 0;
+      weights_[index] += inside ? weight_of_pair_[first + i] : 0;
+    }
+  }
 }
 
 void VoteHistogram::smooth_from(int first_row) {

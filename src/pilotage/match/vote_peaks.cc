@@ -121,7 +121,7 @@ class GroupSearch {
         bins_(static_cast<int>(2 * search.half_side_px / kVoteBinPx) + 3),
         cells_((bins_ + kCellBins - 1) / kCellBins),
         corner_px_(search.center_px - Eigen::Vector2d::Constant(search.half_side_px + kVoteBinPx / 2)),
-        histogram_(bins_) {}
+        histogram_(bins_, corner_px_, pairs) {}
 
   void look(const HypothesisGroup& group, BestPeaks& best, const Checkpoint& checkpoint) {
     group_ = group;
@@ -137,13 +137,13 @@ class GroupSearch {
     }
     for (std::size_t y = group_.first_yaw; y < group_.end_yaw; ++y) {
       for (std::size_t s = group_.first_scale; s < group_.end_scale; ++s) {
-        fill(search_.yaws_rad[y], search_.scales[s]);
+        const std::complex<double> turn = similarity(search_.yaws_rad[y], search_.scales[s]);
+        histogram_.fill(turn.real(), turn.imag());
         if (all) {
           look_at_all({y, s}, best, checkpoint);
         } else {
           look_at_cells({y, s}, promising, best, checkpoint);
         }
-        histogram_.clear();
         pass(checkpoint);
       }
     }
@@ -211,16 +211,6 @@ class GroupSearch {
     const Eigen::Vector2d& from_pivot_px = pair.from_pivot_px;
     return {(pair.map_px.x() - corner_px_.x() - (c * from_pivot_px.x() - s * from_pivot_px.y())) / kVoteBinPx,
             (pair.map_px.y() - corner_px_.y() - (s * from_pivot_px.x() + c * from_pivot_px.y())) / kVoteBinPx};
-  }
-
-  void fill(double yaw_rad, double scale) {
-    const double c = scale * std::cos(yaw_rad);
-    const double s = scale * std::sin(yaw_rad);
-    for (const VotePair& pair : pairs_) {
-      const Eigen::Vector2d bin = bin_of(pair, c, s);
-      if (!(bin.x() >= 0 && bin.y() >= 0 && bin.x() < bins_ && bin.y() < bins_)) continue;
-      histogram_.add(static_cast<int>(bin.x()), static_cast<int>(bin.y()), pair.weight);
-    }
   }
 
   /// A turn and a scale, by their numbers.
