@@ -1,5 +1,6 @@
 #include "pilotage/camera/projection.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -74,6 +75,38 @@ TEST(Projection, GroundAndPixelAreInverse) {
     ++compared;
   }
   EXPECT_GT(compared, 800);
+}
+
+TEST(Projection, SeveralPointsAtOnceAppearWhereEachDoes) {
+  Random random(seed_from_name("SeveralPointsAtOnceAppearWhereEachDoes"));
+  for (const DistortionModel model :
+       {DistortionModel::kNone, DistortionModel::kBrownConrady, DistortionModel::kFisheye}) {
+    Camera camera{4000, 2250, 2600, 2610, 2010.5, 1120.25};
+    camera.distortion_model = model;
+    if (model != DistortionModel::kNone) camera.distortion = {-0.1, 0.02, 0.001, -0.0005, 0.001};
+    camera.mount = {5, 10, -3};
+    int seen = 0;
+    int unseen = 0;
+    for (int row = 0; row < 300; ++row) {
+      const Attitude attitude{random.uniform(-180, 180), random.uniform(-60, 60), random.uniform(-60, 60)};
+      const auto view = make_view(camera, attitude, random.uniform(1, 3000));
+      ASSERT_TRUE(view);
+      std::array<double, kPointsTogether> east_m{};
+      for (double& east : east_m) east = view->agl_m * random.uniform(-8, 8);
+      const double north_m = view->agl_m * random.uniform(-8, 8);
+      const PixelsTogether pixels = pixels_from_ground(*view, east_m, north_m);
+      for (std::size_t i = 0; i < kPointsTogether; ++i) {
+        const auto pixel = pixel_from_ground(*view, {east_m[i], north_m});
+        ASSERT_EQ(pixels.seen[i], pixel.has_value()) << east_m[i] << " " << north_m;
+        ++(pixel ? seen : unseen);
+        if (!pixel) continue;
+        EXPECT_NEAR(pixels.x_px[i], pixel->x(), 1e-9 * (1 + std::abs(pixel->x())));
+        EXPECT_NEAR(pixels.y_px[i], pixel->y(), 1e-9 * (1 + std::abs(pixel->y())));
+      }
+    }
+    EXPECT_GT(seen, 200);
+    EXPECT_GT(unseen, 200);
+  }
 }
 
 TEST(Footprint, LevelFrame) {

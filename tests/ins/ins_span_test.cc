@@ -91,20 +91,35 @@ TEST(InsSpan, LooksAheadAsPropagationDoes) {
 }
 
 TEST(InsSpan, IsLongBeforeDigitsAreLost) {
-  const InsErrorModel model = models().front();
-  InsState begin = initial_ins_state(model, 80, 20);
-  InsState flown = begin;
-  InsSpan span(begin);
-  const InsStep step = make_ins_step(5, 80, 20, model);
-  int steps = 0;
-  for (; !span.is_long(); ++steps) {
-    begin.covariance = SpanFix(span, model.fix_sigma_m).fixed(begin.covariance);
-    flown = propagate(update_with_fix(flown, model.fix_sigma_m), step);
-    span.fly(step);
+  for (const double correlation_m : {300.0, 40.0}) {
+    InsErrorModel model = models().front();
+    model.map_correlation_m = correlation_m;
+    InsState begin = initial_ins_state(model, 80, 20);
+    InsState flown = begin;
+    InsSpan span(begin);
+    const InsStep step = make_ins_step(5, 80, 20, model);
+    int steps = 0;
+    for (; !span.is_long(); ++steps) {
+      begin.covariance = SpanFix(span, model.fix_sigma_m).fixed(begin.covariance);
+      flown = propagate(update_with_fix(flown, model.fix_sigma_m), step);
+      span.fly(step);
+    }
+    EXPECT_GE(steps, 3);
+    EXPECT_LE(steps, correlation_m < 100 ? 3 : 13);
+    expect_near(span.end_of(begin).covariance, flown.covariance, 1e-7);
   }
-  EXPECT_GE(steps, 4);
-  EXPECT_LE(steps, 13);
-  expect_near(span.end_of(begin).covariance, flown.covariance, 1e-7);
+}
+
+TEST(InsSpan, AManoeuvreWithoutTimeCounts) {
+  const InsErrorModel model = models().front();
+  const InsState begin = propagate(initial_ins_state(model, 80, 20), 30, 80, 20, model);
+  InsSpan span(begin);
+  EXPECT_FALSE(span.is_flown());
+  span.fly(make_ins_step(0, 140, 25, model));
+  EXPECT_TRUE(span.is_flown());
+  const InsState turned = propagate(begin, 0, 140, 25, model);
+  expect_near(span.end_of(begin).covariance, turned.covariance, 1e-12);
+  EXPECT_EQ(span.end_of(begin).heading_deg, 140);
 }
 
 }  // namespace

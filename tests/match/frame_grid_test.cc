@@ -54,6 +54,30 @@ TEST(DescribeFrameGrid, DescriptorsAreThoseOfFeaturesAtTheSamePixels) {
   }
 }
 
+TEST(DescribeContinuedGrid, PointsAreThoseOfTheFrameItself) {
+  RectifiedFrame frame = whole_frame(150, 121);
+  frame.gsd_m = 0.5;
+  frame.origin_m = {-40, 30};
+  frame.valid(cv::Rect(70, 60, 1, 1)).setTo(0);
+  frame.valid(cv::Rect(0, 0, 40, 29)).setTo(0);
+  frame.gray.setTo(0, frame.valid == 0);
+  const cv::Mat gray = frame.gray.clone();
+  const RectifiedFrame wide = continued_frame(frame, {});
+  EXPECT_EQ(cv::norm(gray, frame.gray), 0);
+  EXPECT_EQ(cv::countNonZero(wide.valid), cv::countNonZero(frame.valid));
+  const FrameGrid own = describe_frame_grid(frame, {}, 1);
+  const FrameGrid continued = describe_continued_grid(wide, {}, 1);
+  ASSERT_EQ(own.points.size(), continued.points.size());
+  ASSERT_GT(own.points.size(), 1000U);
+  EXPECT_EQ(own.points.descriptors, continued.points.descriptors);
+  for (std::size_t i = 0; i < own.points.size(); ++i) {
+    const auto ground_m = [&](const RectifiedFrame& shown, const Feature& point) {
+      return shown.ground_from_pixel({static_cast<double>(point.x_px), static_cast<double>(point.y_px)});
+    };
+    EXPECT_EQ(ground_m(frame, own.points.features[i]), ground_m(wide, continued.points.features[i]));
+  }
+}
+
 TEST(DescribeFrameGrid, APointIsWhereItLiesWellInside) {
   RectifiedFrame frame = whole_frame(150, 121);
   frame.valid(cv::Rect(70, 60, 1, 1)).setTo(0);

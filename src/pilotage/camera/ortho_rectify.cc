@@ -1,6 +1,7 @@
 #include "pilotage/camera/ortho_rectify.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -98,6 +99,7 @@ struct PixelMap {
 };
 
 PixelMap map_to_frame(const View& view, const Grid& grid, double gsd_m) {
+  constexpr int kTogether = kPointsTogether;
   PixelMap map{cv::Mat(grid.height, grid.width, CV_32FC1), cv::Mat(grid.height, grid.width, CV_32FC1),
                cv::Mat::zeros(grid.height, grid.width, CV_8UC1)};
   const double max_x = view.lens.camera.width_px - 1;
@@ -107,18 +109,21 @@ PixelMap map_to_frame(const View& view, const Grid& grid, double gsd_m) {
     auto* const y = map.y.ptr<float>(row);
     auto* const valid = map.valid.ptr<std::uint8_t>(row);
     const double north_m = -(static_cast<double>(grid.min_row + row) + 0.5) * gsd_m;
-    for (int col = 0; col < grid.width; ++col) {
-      const double east_m = (static_cast<double>(grid.min_col + col) + 0.5) * gsd_m;
-      const auto pixel = pixel_from_ground(view, {east_m, north_m});
-      x[col] = -1;
-      y[col] = -1;
-      if (!pixel) continue;
-      const double frame_x = pixel->x() - 0.5;
-      const double frame_y = pixel->y() - 0.5;
-      if (!(frame_x >= 0 && frame_x <= max_x && frame_y >= 0 && frame_y <= max_y)) continue;
-      x[col] = static_cast<float>(frame_x);
-      y[col] = static_cast<float>(frame_y);
-      valid[col] = 255;
+    for (int first = 0; first < grid.width; first += kTogether) {
+      std::array<double, kPointsTogether> east_m{};
+      for (std::size_t i = 0; i < kPointsTogether; ++i) {
+        east_m[i] = (static_cast<double>(grid.min_col + first) + static_cast<double>(i) + 0.5) * gsd_m;
+      }
+      const PixelsTogether pixels = pixels_from_ground(view, east_m, north_m);
+      for (int col = first; col < std::min(first + kTogether, grid.width); ++col) {
+        const auto i = static_cast<std::size_t>(col - first);
+        const double frame_x = pixels.x_px[i] - 0.5;
+        const double frame_y = pixels.y_px[i] - 0.5;
+        const bool shows = pixels.seen[i] && frame_x >= 0 && frame_x <= max_x && frame_y >= 0 && frame_y <= max_y;
+        x[col] = shows ? static_cast<float>(frame_x) : -1;
+        y[col] = shows ? static_cast<float>(frame_y) : -1;
+        valid[col] = shows ? 255 : 0;
+      }
     }
   }
   return map;

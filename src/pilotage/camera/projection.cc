@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "pilotage/base/wide_clones.h"
+
 namespace pilotage {
 namespace {
 
@@ -19,6 +21,7 @@ double max_distance(const View& view) {
 /// The point of the image that shows ground and lies nearest to its middle, of a regular grid with the middle on it.
 std::optional<Eigen::Vector2d> ground_showing_pixel(const View& view) {
   const Eigen::Vector2d size(view.lens.camera.width_px, view.lens.camera.height_px);
+  if (ground_from_pixel(view, size / 2)) return size / 2;
   std::optional<Eigen::Vector2d> nearest;
   double nearest_distance = std::numeric_limits<double>::infinity();
   for (int row = 0; row < kAnchorGrid; ++row) {
@@ -32,6 +35,82 @@ std::optional<Eigen::Vector2d> ground_showing_pixel(const View& view) {
     }
   }
   return nearest;
+}
+
+/// A view as plain numbers: of a ground point's ray, the part that all points share, and what a metre east adds.
+struct WideView {
+  double east_x;
+  double east_y;
+  double east_z;
+  double common_x;
+  double common_y;
+  double common_z;
+  double north_m;
+  double max_distance2_m2;
+  double max_radius2;
+  double k1;
+  double k2;
+  double k3;
+  double p1;
+  double p2;
+  double fx_px;
+  double fy_px;
+  double cx_px;
+  double cy_px;
+
+  WideView(const View& view, double north) : north_m(north) {
+    const Eigen::Matrix3d camera_from_enu = view.enu_from_camera.transpose();
+    const Eigen::Vector3d common = camera_from_enu * Eigen::Vector3d(0, north, -view.agl_m);
+    east_x = camera_from_enu(0, 0);
+    east_y = camera_from_enu(1, 0);
+    east_z = camera_from_enu(2, 0);
+    common_x = common.x();
+    common_y = common.y();
+    common_z = common.z();
+    max_distance2_m2 = max_distance(view) * max_distance(view);
+    max_radius2 = view.lens.max_radius * view.lens.max_radius;
+    const Camera& camera = view.lens.camera;
+    const bool is_distorted = camera.distortion_model == DistortionModel::kBrownConrady;
+    k1 = is_distorted ? camera.distortion[0] : 0;
+    k2 = is_distorted ? camera.distortion[1] : 0;
+    p1 = is_distorted ? camera.distortion[2] : 0;
+    p2 = is_distorted ? camera.distortion[3] : 0;
+    k3 = is_distorted ? camera.distortion[4] : 0;
+    fx_px = camera.fx_px;
+    fy_px = camera.fy_px;
+    cx_px = camera.cx_px;
+    cy_px = camera.cy_px;
+  }
+};
+
+using Together = std::array<double, kPointsTogether>;
+
+/// Where the points appear, and how far they are from not being seen: not at all where `ahead` is not above 0 or
+/// `within` below it.
+struct WidePixels {
+  Together x_px;
+  Together y_px;
+  Together ahead;
+  Together within;
+};
+
+PILOTAGE_WIDE_CLONES
+void project(const WideView& view, const double* east_m, WidePixels& pixels) {
+  const WideView by = view;
+  WidePixels found;
+  for (std::size_t i = 0; i < kPointsTogether; ++i) {
+    const double east = east_m[i];
+    const double ahead = by.east_z * east + by.common_z;
+    const double x = (by.east_x * east + by.common_x) / ahead;
+    const double y = (by.east_y * east + by.common_y) / ahead;
+    const double u = x * x + y * y;
+    const double factor = 1 + u * (by.k1 + u * (by.k2 + u * by.k3));
+    found.x_px[i] = by.fx_px * (x * factor + 2 * by.p1 * x * y + by.p2 * (u + 2 * x * x)) + by.cx_px;
+    found.y_px[i] = by.fy_px * (y * factor + by.p1 * (u + 2 * y * y) + 2 * by.p2 * x * y) + by.cy_px;
+    found.ahead[i] = ahead;
+    found.within[i] = std::min(by.max_distance2_m2 - (east * east + by.north_m * by.north_m), by.max_radius2 - u);
+  }
+  pixels = found;
 }
 
 /// The ground seen farthest along the segment from `anchor`, which shows ground, to `pixel`.
@@ -115,6 +194,25 @@ std::optional<Eigen::Vector2d> pixel_from_ground(const View& view, const Eigen::
   if (!(ground_m.norm() <= max_distance(view))) return std::nullopt;
   const Eigen::Vector3d ray(ground_m.x(), ground_m.y(), -view.agl_m);
   return pixel_from_ray(view.lens, view.enu_from_camera.transpose() * ray);
+}
+
+PixelsTogether pixels_from_ground(const View& view, const std::array<double, kPointsTogether>& east_m, double north_m) {
+  PixelsTogether pixels;
+  if (view.lens.camera.distortion_model == DistortionModel::kFisheye) {
+    for (std::size_t i = 0; i < kPointsTogether; ++i) {
+      const auto pixel = pixel_from_ground(view, {east_m[i], north_m});
+      pixels.seen[i] = pixel.has_value();
+      pixels.x_px[i] = pixel ? pixel->x() : 0;
+      pixels.y_px[i] = pixel ? pixel->y() : 0;
+    }
+    return pixels;
+  }
+  WidePixels wide;
+  project(WideView(view, north_m), east_m.data(), wide);
+  pixels.x_px = wide.x_px;
+  pixels.y_px = wide.y_px;
+  for (std::size_t i = 0; i < kPointsTogether; ++i) pixels.seen[i] = wide.ahead[i] > 0 && wide.within[i] >= 0;
+  return pixels;
 }
 
 Footprint footprint(const View& view) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -36,6 +38,20 @@ std::optional<Eigen::Vector2d> ground_from_ray(const View& view, const Eigen::Ve
 /// Where a point of the ground appears. Nothing when it lies behind the camera, beyond max_off_nadir_tan or outside the
 /// lens's domain; the pixel may lie outside the image.
 std::optional<Eigen::Vector2d> pixel_from_ground(const View& view, const Eigen::Vector2d& ground_m);
+
+/// Points of the ground whose pixels are worked out together.
+inline constexpr std::size_t kPointsTogether = 8;
+
+/// What pixel_from_ground() says of several points.
+struct PixelsTogether {
+  std::array<bool, kPointsTogether> seen{};  ///< Else the pixel is none.
+  std::array<double, kPointsTogether> x_px{};
+  std::array<double, kPointsTogether> y_px{};
+};
+
+/// pixel_from_ground() of points in a row from west to east, by wide instructions where the machine has them (not for a
+/// fisheye). The pixels are the same but for rounding.
+PixelsTogether pixels_from_ground(const View& view, const std::array<double, kPointsTogether>& east_m, double north_m);
 
 /// The ground that a frame shows.
 struct Footprint {

@@ -72,6 +72,7 @@ void InsSpan::fly(const InsStep& step) {
     transposed_ = next;
     noise_ = covariance_after_part(noise_, step);
   }
+  is_flown_ = true;
   dt_s_ += step.dt_s;
 }
 
@@ -81,11 +82,11 @@ bool InsSpan::is_long() const {
 
 InsState InsSpan::end_of(const InsState& begin) const {
   InsState end = begin;
-  if (dt_s_ > 0) {
+  if (is_flown_) {
     InsStep way;
     way.phi = transposed_.transpose();
     way.noise = noise_;
-    way.drive();
+    way.list_driving();
     end.covariance = covariance_after_part(begin.covariance, way);
   }
   end.heading_deg = heading_deg_;
@@ -107,7 +108,7 @@ SpanFix::SpanFix(const InsSpan& span, double fix_sigma_m) : variance_m2_(fix_sig
   const Rows measured = fix_by_map().transpose();
   rows_ = span.transposed_ * measured;
   joined_ = span.noise_ * measured;
-  if (span.dt_s() == 0) return;  // Q is 0
+  if (!span.is_flown()) return;  // Q is 0
   // Ψ has two blocks of rows: the lower one is a diagonal, and beside it there is nothing.
   const Matrix transition = span.transposed_.transpose();
   joined_.bottomRows<InsStep::kDriving>().array().colwise() /= transition.diagonal().tail<InsStep::kDriving>().array();

@@ -41,6 +41,7 @@ class InsSpan {
   /// Longer by a step without an aiding velocity.
   void fly(const InsStep& step);
 
+  bool is_flown() const { return is_flown_; }
   double dt_s() const { return dt_s_; }
   /// Whether another span should begin: further on, Ψ⁻¹ costs digits.
   bool is_long() const;
@@ -55,6 +56,7 @@ class InsSpan {
   friend class SpanFix;
   double heading_deg_;
   double speed_mps_;
+  bool is_flown_ = false;
   double dt_s_ = 0;
   InsState::Covariance transposed_ = InsState::Covariance::Identity();  // Ψᵀ
   InsState::Covariance noise_ = InsState::Covariance::Zero();           // Q

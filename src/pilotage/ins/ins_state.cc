@@ -247,11 +247,11 @@ InsStep make_ins_step(double dt_s, double heading_deg, double speed_mps, const I
         .diagonal()
         .setConstant((1 - decay * decay) * model.map_sigma_m * model.map_sigma_m);
   }
-  step.drive();
+  step.list_driving();
   return step;
 }
 
-void InsStep::drive() {
+void InsStep::list_driving() {
   driving.clear();
   for (int row = 0; row < kDriven; ++row) {
     for (int col = 0; col < InsState::kSize; ++col) {

@@ -83,7 +83,7 @@ struct InsStep {
   /// States before this one are driven by others; from it on they drive, and only decay themselves.
   static constexpr int kDriven = InsState::kAccelBias;
   static constexpr int kDriving = InsState::kSize - kDriven;
-  void drive();  ///< Fills `driving` from `phi`.
+  void list_driving();  ///< Fills `driving` from `phi`.
 };
 InsStep make_ins_step(double dt_s, double heading_deg, double speed_mps, const InsErrorModel& model);
 InsState propagate(const InsState& state, const InsStep& step);

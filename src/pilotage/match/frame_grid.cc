@@ -36,10 +36,14 @@ cv::Mat continued(const cv::Mat& gray, const cv::Mat& valid, int border_px) {
   return picture;
 }
 
-}  // namespace
+int inside_px(const BinaryDescriptor& descriptor) {
+  return std::min(descriptor.reach_px, kLeastInsidePx);
+}
 
-FrameGrid describe_frame_grid(const RectifiedFrame& frame, const FeatureOptions& options, int step_px,
-                              const Checkpoint& checkpoint) {
+/// `picture_of(border_px)`: the frame's picture, continued so far on each side.
+template <typename PictureOf>
+FrameGrid describe_grid(const RectifiedFrame& frame, const FeatureOptions& options, int step_px,
+                        const Checkpoint& checkpoint, const PictureOf& picture_of) {
   check_feature_options(options);
   FrameGrid grid;
   grid.step_px = step_px;
@@ -50,14 +54,13 @@ FrameGrid describe_frame_grid(const RectifiedFrame& frame, const FeatureOptions&
   grid.points.pattern = descriptor.pattern;
   grid.points.descriptor_bytes = descriptor.bytes();
 
-  const int inside_px = std::min(descriptor.reach_px, kLeastInsidePx);
-  const int side_px = 2 * inside_px + 1;
+  const int side_px = 2 * inside_px(descriptor) + 1;
   cv::Mat far_inside;  // the border counts as invalid
   cv::erode(frame.valid, far_inside, cv::getStructuringElement(cv::MORPH_RECT, {side_px, side_px}), cv::Point(-1, -1),
             1, cv::BORDER_CONSTANT, cv::Scalar(0));
   if (cv::countNonZero(far_inside) == 0) return grid;
-  const int border_px = descriptor.reach_px - inside_px;
-  const cv::Mat picture = continued(frame.gray, frame.valid, border_px);
+  const int border_px = descriptor.reach_px - inside_px(descriptor);
+  const cv::Mat picture = picture_of(border_px);
   std::vector<Corner> places;
   const auto describe_places = [&] {
     const auto described = describe_corners(picture, places, descriptor);
@@ -77,6 +80,35 @@ FrameGrid describe_frame_grid(const RectifiedFrame& frame, const FeatureOptions&
   }
   describe_places();
   return grid;
+}
+
+}  // namespace
+
+FrameGrid describe_frame_grid(const RectifiedFrame& frame, const FeatureOptions& options, int step_px,
+                              const Checkpoint& checkpoint) {
+  return describe_grid(frame, options, step_px, checkpoint,
+                       [&](int border_px) { return continued(frame.gray, frame.valid, border_px); });
+}
+
+FrameGrid describe_continued_grid(const RectifiedFrame& frame, const FeatureOptions& options, int step_px,
+                                  const Checkpoint& checkpoint) {
+  return describe_grid(frame, options, step_px, checkpoint, [&](int border_px) {
+    cv::Mat picture;
+    cv::copyMakeBorder(frame.gray, picture, border_px, border_px, border_px, border_px, cv::BORDER_REPLICATE);
+    return picture;
+  });
+}
+
+RectifiedFrame continued_frame(const RectifiedFrame& frame, const FeatureOptions& options) {
+  const BinaryDescriptor& descriptor = descriptor_of(options);
+  const int border_px = descriptor.reach_px - inside_px(descriptor);
+  RectifiedFrame wide = frame;
+  wide.gray = continued(frame.gray, frame.valid, border_px);
+  wide.valid = cv::Mat();  // not that of `frame`
+  cv::copyMakeBorder(frame.valid, wide.valid, border_px, border_px, border_px, border_px, cv::BORDER_CONSTANT,
+                     cv::Scalar(0));
+  wide.origin_m += frame.gsd_m * border_px * Eigen::Vector2d(-1, 1);
+  return wide;
 }
 
 }  // namespace pilotage

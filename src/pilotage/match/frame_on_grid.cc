@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <opencv2/core.hpp>
 
@@ -81,10 +82,13 @@ FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const C
   return rectified;
 }
 
-PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options, const Checkpoint& checkpoint,
-                      int step_px) {
+PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options, const Checkpoint& checkpoint) {
+  return pivoted_frame(rectified, describe_frame_grid(rectified.frame, options, FrameGrid::kUsualStepPx, checkpoint));
+}
+
+PivotedFrame pivoted_frame(const FrameOnGrid& rectified, FrameGrid grid) {
   PivotedFrame frame;
-  frame.grid = describe_frame_grid(rectified.frame, options, step_px, checkpoint);
+  frame.grid = std::move(grid);
   frame.pivot_px = rectified.frame.pixel_from_ground(rectified.pivot_m);
   frame.nadir_px = rectified.frame.pixel_from_ground({0, 0});
   for (const Feature& point : frame.grid.points.features) {

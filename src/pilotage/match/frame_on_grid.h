@@ -52,9 +52,11 @@ Attitude attitude_on_grid(const Attitude& attitude, const LocalGrid& grid);
 FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
                           const MatchOptions& options, const Checkpoint& checkpoint = {});
 
-/// The frame described at every `step_px`-th pixel, to be turned about the ground under the principal point.
-PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options, const Checkpoint& checkpoint = {},
-                      int step_px = 2);
+/// The frame described on its usual grid, to be turned about the ground under the principal point.
+PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options, const Checkpoint& checkpoint = {});
+
+/// The same of a grid that describes the frame already.
+PivotedFrame pivoted_frame(const FrameOnGrid& rectified, FrameGrid grid);
 
 /// What is searched on `map`.
 SearchSpace search_space(const FrameOnGrid& rectified, const LocalMap& map, const MatchOptions& options);

@@ -257,9 +257,9 @@ class SimilarityFit {
   SimilarityFit(const Placement& start, const SearchSpace& space, const BinaryDescriptor& descriptor)
       : start_(start), space_(space), fit_distance_(descriptor.fit_distance), transform_(start) {}
 
+  /// A pair nearer than BinaryDescriptor::fit_distance: others have no weight.
   void add(const GuidedPair& pair) {
-    const double nearness = std::max(0.0, 1 - pair.distance / fit_distance_);
-    if (nearness <= 0) return;
+    const double nearness = 1 - pair.distance / fit_distance_;
     const Eigen::Vector2d& o = pair.ground_from_pivot_px;
     const Eigen::Vector2d& m = pair.map_px;
     const double error_px = (m - transform_.map_from_frame(o)).norm();
@@ -308,7 +308,7 @@ class SimilarityFit {
  private:
   Placement start_;
   SearchSpace space_;
-  double fit_distance_;  // farther pairs have no weight
+  double fit_distance_;
   PlacementTransform transform_;
   Eigen::Matrix4d normal_ = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right_ = Eigen::Vector4d::Zero();
@@ -329,6 +329,7 @@ double GuidedMatch::evidence() const {
 
 std::vector<GuidedMatch> match_guided(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                                       std::span<const Candidate> candidates, const Checkpoint& checkpoint) {
+  if (candidates.empty()) return {};
   const BinaryDescriptor& descriptor = descriptor_of(map.features);
   GuidedSearch search(frame, map);
   std::vector<GuidedMatch> matches;

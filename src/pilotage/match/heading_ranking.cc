@@ -1,13 +1,16 @@
 #include "pilotage/match/heading_ranking.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
 #include <Eigen/Geometry>
+#include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/angle.h"
+#include "pilotage/geo/bounds.h"
 #include "pilotage/match/displacement_voting.h"
 #include "pilotage/match/frame_on_grid.h"
 #include "pilotage/match/local_map.h"
@@ -73,8 +76,9 @@ std::optional<CoarseMap> read_coarse_map(const cv::Mat& frame, const MatchPrior&
                                          const MatchOptions& options, const FrameOnGrid& rectified,
                                          const PivotedFrame& described, const Checkpoint& checkpoint) {
   const FeatureOptions& features = map.features();
+  constexpr double kMostGrowth = 2;  // of a frame's pixels, by a turn of 45°
   const double left_bytes =
-      options.max_memory_mib * kMib - bytes_to_rectify(frame) - bytes_to_describe(rectified, features);
+      options.max_memory_mib * kMib - bytes_to_rectify(frame) - kMostGrowth * bytes_to_describe(rectified, features);
   const double most = std::min(std::max(0.0, left_bytes) / bytes_of_map_feature(features), 1e9);
   CoarseMap coarse;
   coarse.window_px = rectified.half_width_px + rectified.px_from_m(rectified.pivot_m).norm() + described.radius_px;
@@ -90,13 +94,12 @@ std::optional<CoarseMap> read_coarse_map(const cv::Mat& frame, const MatchPrior&
   return coarse;
 }
 
-/// What the look says for one heading: 0 where it cannot look.
-double promise_of_heading(const cv::Mat& frame, const MatchPrior& turned, const Camera& camera, MapReader& map,
+/// What the look says for the heading of a frame: 0 where there is no map.
+double promise_of_heading(const FrameOnGrid& rectified, const cv::Mat& frame, const MatchPrior& prior, MapReader& map,
                           const MatchOptions& options, std::optional<CoarseMap>& coarse, const Checkpoint& checkpoint) {
-  const FrameOnGrid rectified = rectify_frame(frame, turned, camera, map, options, checkpoint);
-  if (rectified.refusal) return 0;
-  const PivotedFrame described = describe(rectified, map.features(), checkpoint, coarse_step_px(rectified));
-  if (!coarse) coarse = read_coarse_map(frame, turned, map, options, rectified, described, checkpoint);
+  const PivotedFrame described = pivoted_frame(
+      rectified, describe_continued_grid(rectified.frame, map.features(), coarse_step_px(rectified), checkpoint));
+  if (!coarse) coarse = read_coarse_map(frame, prior, map, options, rectified, described, checkpoint);
   if (!coarse) return 0;
   const SearchSpace space = search_space(rectified, coarse->local, options);
   const std::vector<VotePair> pairs = vote_pairs(described, coarse->local, space, checkpoint,
@@ -111,16 +114,54 @@ double promise_of_heading(const cv::Mat& frame, const MatchPrior& turned, const 
 
 }  // namespace
 
+FrameOnGrid turned_frame(const FrameOnGrid& rectified, double turn_rad) {
+  if (turn_rad == 0) return rectified;
+  const RectifiedFrame& as_is = rectified.frame;
+  const Eigen::Rotation2Dd turn(-turn_rad);  // of east and north
+  const double gsd_m = as_is.gsd_m;
+  Bounds bounds;
+  for (const int right : {0, as_is.gray.cols}) {
+    for (const int down : {0, as_is.gray.rows}) bounds.extend(turn * as_is.ground_from_pixel({right, down}));
+  }
+  FrameOnGrid turned = rectified;
+  turned.pivot_m = turn * rectified.pivot_m;
+  turned.frame.origin_m = {std::floor(bounds.min_x_m / gsd_m) * gsd_m, std::ceil(bounds.max_y_m / gsd_m) * gsd_m};
+  const Eigen::Vector2d corner_px = turned.frame.pixel_from_ground({bounds.max_x_m, bounds.min_y_m});
+  const cv::Size size(static_cast<int>(std::ceil(corner_px.x())), static_cast<int>(std::ceil(corner_px.y())));
+  // Of the middles of three pixels, in OpenCV's positions: the first pixel's middle is 0.
+  std::array<cv::Point2f, 3> to;
+  std::array<cv::Point2f, 3> from;
+  const std::array<Eigen::Vector2d, 3> middles{Eigen::Vector2d(0.5, 0.5), Eigen::Vector2d(size.width - 0.5, 0.5),
+                                               Eigen::Vector2d(0.5, size.height - 0.5)};
+  for (std::size_t i = 0; i < middles.size(); ++i) {
+    const Eigen::Vector2d there = as_is.pixel_from_ground(turn.inverse() * turned.frame.ground_from_pixel(middles[i]));
+    to[i] = {static_cast<float>(middles[i].x() - 0.5), static_cast<float>(middles[i].y() - 0.5)};
+    from[i] = {static_cast<float>(there.x() - 0.5), static_cast<float>(there.y() - 0.5)};
+  }
+  const cv::Mat as_is_from_turned = cv::getAffineTransform(to.data(), from.data());
+  turned.frame.gray = turned.frame.valid = cv::Mat();  // not those of `rectified`
+  constexpr int kHow = cv::INTER_LINEAR | cv::WARP_INVERSE_MAP;
+  cv::warpAffine(as_is.gray, turned.frame.gray, as_is_from_turned, size, kHow, cv::BORDER_REPLICATE);
+  cv::warpAffine(as_is.valid, turned.frame.valid, as_is_from_turned, size, kHow, cv::BORDER_CONSTANT);
+  turned.frame.valid = turned.frame.valid == 255;
+  return turned;
+}
+
 std::vector<double> promising_headings_deg(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
                                            MapReader& map, const MatchOptions& options,
                                            const std::vector<double>& headings_deg, std::size_t count,
                                            const Checkpoint& checkpoint) {
   std::optional<CoarseMap> coarse;
-  MatchPrior turned = prior;
+  MatchPrior first = prior;
+  first.attitude.yaw_deg = headings_deg.front();
+  FrameOnGrid rectified = rectify_frame(frame, first, camera, map, options, checkpoint);
+  if (!rectified.refusal) rectified.frame = continued_frame(rectified.frame, map.features());
   std::vector<double> promises;
   for (const double heading_deg : headings_deg) {
-    turned.attitude.yaw_deg = heading_deg;
-    promises.push_back(promise_of_heading(frame, turned, camera, map, options, coarse, checkpoint));
+    const double turn_rad = (heading_deg - headings_deg.front()) * kRadPerDeg;
+    promises.push_back(rectified.refusal ? 0
+                                         : promise_of_heading(turned_frame(rectified, turn_rad), frame, prior, map,
+                                                              options, coarse, checkpoint));
   }
   std::vector<std::size_t> order(headings_deg.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

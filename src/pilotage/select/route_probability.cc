@@ -40,7 +40,7 @@ double total_probability(const std::vector<FlightBranch>& branches) {
 }
 
 // The flights of a stretch: their branches, whose states are those of the span's begin, and the span from there.
-struct FlownStretch {
+struct StretchUnderWay {
   FlightStretch stretch;
   InsSpan span;
 
@@ -55,7 +55,7 @@ struct FlownStretch {
   }
 };
 
-void see_positions(FlownStretch& flown) {
+void see_positions(StretchUnderWay& flown) {
   const PositionAhead position = flown.span.position();
   for (FlightBranch& branch : flown.stretch.branches) {
     branch.position_covariance_m2 = position.covariance_m2(branch.state.covariance);
@@ -126,10 +126,10 @@ std::vector<FlightBranch> merge_alike(const FlightPath& path, const FlownSteps& 
 
 // Parts of all branches get a fix at the sample and become new branches.
 void take_fix(const FlightPath& path, const FlownSteps& steps, const RouteChances& chances, std::size_t sample,
-              FlownStretch& flown, std::vector<FlightBranch>* fixes) {
+              StretchUnderWay& flown, std::vector<FlightBranch>* fixes) {
   const double p = path.frames_that_come * chances.p[sample];  // on the line
-  if (!(p > 0)) return;
   FlightStretch& stretch = flown.stretch;
+  if (!(p > 0) || stretch.branches.empty()) return;
   const SpanFix fix(flown.span, path.model.fix_sigma_m);
   std::vector<FixedBranch> fixed;
   for (FlightBranch& branch : stretch.branches) {
@@ -174,7 +174,7 @@ void take_fix(const FlightPath& path, const FlownSteps& steps, const RouteChance
 }
 
 // The states are those at the sample.
-void take_gnss(const FlightPath& path, std::size_t sample, FlownStretch& flown) {
+void take_gnss(const FlightPath& path, std::size_t sample, StretchUnderWay& flown) {
   for (FlightBranch& branch : flown.stretch.branches) {
     branch.fix_sample = sample;
     branch.state = held_with_gnss(path, sample, branch.state);
@@ -184,8 +184,9 @@ void take_gnss(const FlightPath& path, std::size_t sample, FlownStretch& flown) 
 
 // One step on. The states become those there where the span must end, where the step has an aiding velocity, and where
 // the span becomes long.
-void fly_on(const InsStep& step, bool ends_span, FlownStretch& flown) {
-  if (step.aided || (ends_span && flown.span.dt_s() == 0)) {
+void fly_step(const InsStep& step, bool ends_span, StretchUnderWay& flown) {
+  if (flown.stretch.branches.empty()) return;
+  if (step.aided || (ends_span && !flown.span.is_flown())) {
     for (FlightBranch& branch : flown.stretch.branches) branch.state = propagate(branch.state, step);
     flown.begin_span();
     return;
@@ -288,7 +289,7 @@ FlightStretch fly_stretch(const FlightPath& path, const FlownSteps& steps, const
                           std::size_t begin, std::size_t end, std::vector<FlightBranch> branches,
                           std::vector<FlightBranch>* fixes) {
   assert(end <= chances.p.size() && chances.p.size() == path.mission->flight.samples.size());
-  FlownStretch flown{{}, InsSpan(branches.empty() ? InsState() : branches.front().state)};
+  StretchUnderWay flown{{}, InsSpan(branches.empty() ? InsState() : branches.front().state)};
   FlightStretch& stretch = flown.stretch;
   stretch.branches = std::move(branches);
   for (FlightBranch& branch : stretch.branches) branch.fixed_on_stretch = false;
@@ -303,10 +304,10 @@ FlightStretch fly_stretch(const FlightPath& path, const FlownSteps& steps, const
     }
     take_fix(path, steps, chances, i, flown, fixes);
     if (i >= steps.size()) continue;
-    fly_on(steps[i], i + 1 == end || path.gnss.over_step[i] || path.gnss.at_sample[i + 1], flown);
+    fly_step(steps[i], i + 1 == end || path.gnss.over_step[i] || path.gnss.at_sample[i + 1], flown);
     if (path.gnss.over_step[i]) take_gnss(path, i + 1, flown);
   }
-  if (flown.span.dt_s() > 0) flown.end_span();
+  if (flown.span.is_flown()) flown.end_span();
   return std::move(flown.stretch);
 }
 

@@ -53,7 +53,7 @@ struct FlightBranch {
   double u_low = 0;
   double u_high = 1;
   bool fixed_on_stretch = false;                                     ///< On the stretch that fly_stretch() flies.
-  Eigen::Matrix2d position_covariance_m2 = Eigen::Matrix2d::Zero();  ///< Where its error was judged last.
+  Eigen::Matrix2d position_covariance_m2 = Eigen::Matrix2d::Zero();  ///< At the sample that fly_stretch() looks at.
 };
 
 /// Flights that came to an error beyond the limit.
