@@ -75,7 +75,7 @@ void lose_flights(const FlightPath& path, std::size_t sample, FlightStretch& str
 
 // A branch just after a fix, and its error a horizon later.
 struct FixedBranch {
-  FlightBranch branch;
+  const FlightBranch* branch = nullptr;
   double error_m = 0;
 };
 
@@ -89,37 +89,38 @@ std::vector<std::size_t> group_ends(const std::vector<FixedBranch>& fixed, doubl
   for (std::size_t i = 0; i < fixed.size();) {
     const FixedBranch& first = fixed[i];
     const double most_m = first.error_m * (1 + share);
-    for (++i; i < fixed.size() && fixed[i].error_m <= most_m && same_draw(fixed[i].branch, first.branch);) ++i;
+    for (++i; i < fixed.size() && fixed[i].error_m <= most_m && same_draw(*fixed[i].branch, *first.branch);) ++i;
     ends.push_back(i);
   }
   return ends;
 }
 
 std::vector<FlightBranch> merge_alike(const FlightPath& path, const FlownSteps& steps, std::size_t sample,
-                                      const InsSpan& span, std::vector<FixedBranch> fixed) {
+                                      const InsSpan& span, const std::vector<FlightBranch>& branches) {
   std::vector<const InsState*> states;
-  for (const FixedBranch& after : fixed) states.push_back(&after.branch.state);
+  for (const FlightBranch& branch : branches) states.push_back(&branch.state);
   const std::vector<double> errors_m = steps.errors_ahead_m(sample, span, states, path.model.sigma_multiple);
-  for (std::size_t i = 0; i < fixed.size(); ++i) fixed[i].error_m = errors_m[i];
+  std::vector<FixedBranch> fixed;
+  for (std::size_t i = 0; i < branches.size(); ++i) fixed.push_back({&branches[i], errors_m[i]});
   std::stable_sort(fixed.begin(), fixed.end(), [](const auto& a, const auto& b) {
-    return std::tuple(a.branch.u_low, a.branch.u_high, a.error_m) <
-           std::tuple(b.branch.u_low, b.branch.u_high, b.error_m);
+    return std::tuple(a.branch->u_low, a.branch->u_high, a.error_m) <
+           std::tuple(b.branch->u_low, b.branch->u_high, b.error_m);
   });
   double share = kSameError;
   std::vector<std::size_t> ends = group_ends(fixed, share);
   while (ends.size() > kMostGroups && share < 1) ends = group_ends(fixed, share *= 2);
   std::vector<FlightBranch> merged;
+  merged.reserve(ends.size());
   std::size_t i = 0;
   for (const std::size_t end : ends) {
     double total = 0;
-    for (std::size_t k = i; k < end; ++k) total += fixed[k].branch.probability;
-    FlightBranch group = fixed[i].branch;
+    for (std::size_t k = i; k < end; ++k) total += fixed[k].branch->probability;
+    FlightBranch& group = merged.emplace_back(*fixed[i].branch);
     group.probability = total;
     group.state.covariance.setZero();
     for (; i < end; ++i) {
-      group.state.covariance += fixed[i].branch.probability / total * fixed[i].branch.state.covariance;
+      group.state.covariance += fixed[i].branch->probability / total * fixed[i].branch->state.covariance;
     }
-    merged.push_back(group);
   }
   return merged;
 }
@@ -131,7 +132,8 @@ void take_fix(const FlightPath& path, const FlownSteps& steps, const RouteChance
   FlightStretch& stretch = flown.stretch;
   if (!(p > 0) || stretch.branches.empty()) return;
   const SpanFix fix(flown.span, path.model.fix_sigma_m);
-  std::vector<FixedBranch> fixed;
+  std::vector<FlightBranch> fixed;
+  fixed.reserve(stretch.branches.size());
   for (FlightBranch& branch : stretch.branches) {
     const double time_s = branch.state.time_s + flown.span.dt_s();
     if (time_s - branch.fix_time_s < chances.fix_interval_s - 1e-9) continue;
@@ -146,14 +148,13 @@ void take_fix(const FlightPath& path, const FlownSteps& steps, const RouteChance
     const double share = std::min(1.0, beside * drawn);
     if (share > 0) {
       if (!branch.fixed_on_stretch) stretch.p_fix += share * branch.probability;
-      FlightBranch after = branch;
+      FlightBranch& after = fixed.emplace_back(branch);
       after.fixed_on_stretch = true;
       after.fix_sample = sample;
       after.fix_time_s = time_s;
       after.probability *= share;
       after.u_high = std::min(branch.u_high, p);
       after.state.covariance = fix.fixed(branch.state.covariance);
-      fixed.push_back({after});
     }
     const double searched_m = kSearchSigmas / path.model.sigma_multiple *
                               std::hypot(position_error_m(branch.position_covariance_m2, path.model.sigma_multiple),
@@ -165,7 +166,7 @@ void take_fix(const FlightPath& path, const FlownSteps& steps, const RouteChance
   }
   std::erase_if(stretch.branches, [](const FlightBranch& branch) { return branch.probability <= 0; });
   if (fixed.empty()) return;
-  for (const FlightBranch& group : merge_alike(path, steps, sample, flown.span, std::move(fixed))) {
+  for (const FlightBranch& group : merge_alike(path, steps, sample, flown.span, fixed)) {
     stretch.branches.push_back(group);
     if (fixes == nullptr) continue;
     fixes->push_back(group);
