@@ -82,7 +82,7 @@ TEST(InsSpan, LooksAheadAsPropagationDoes) {
     const InsState begin = initial_ins_state(model, 80, 20);
     InsSpan span(begin);
     for (const InsStep& step : way(model)) span.fly(step);
-    const InsStep& last = way(model).back();
+    const InsStep last = way(model).back();
     const InsStep horizon = make_ins_step(47, last.heading_deg, last.speed_mps, model);
     const Eigen::Matrix2d ahead_m2 = span.position_after(PositionAhead(horizon)).covariance_m2(begin.covariance);
     const InsState later = propagate(span.end_of(begin), horizon);
