@@ -36,8 +36,14 @@ cv::Mat continued(const cv::Mat& gray, const cv::Mat& valid, int border_px) {
   return picture;
 }
 
+/// How far a described point lies within the valid pixels at least.
 int inside_px(const BinaryDescriptor& descriptor) {
   return std::min(descriptor.reach_px, kLeastInsidePx);
+}
+
+/// How far beyond them a descriptor may ask for pixels.
+int border_px_of(const BinaryDescriptor& descriptor) {
+  return descriptor.reach_px - inside_px(descriptor);
 }
 
 /// `picture_of(border_px)`: the frame's picture, continued so far on each side.
@@ -59,7 +65,7 @@ FrameGrid describe_grid(const RectifiedFrame& frame, const FeatureOptions& optio
   cv::erode(frame.valid, far_inside, cv::getStructuringElement(cv::MORPH_RECT, {side_px, side_px}), cv::Point(-1, -1),
             1, cv::BORDER_CONSTANT, cv::Scalar(0));
   if (cv::countNonZero(far_inside) == 0) return grid;
-  const int border_px = descriptor.reach_px - inside_px(descriptor);
+  const int border_px = border_px_of(descriptor);
   const cv::Mat picture = picture_of(border_px);
   std::vector<Corner> places;
   const auto describe_places = [&] {
@@ -100,8 +106,7 @@ FrameGrid describe_continued_grid(const RectifiedFrame& frame, const FeatureOpti
 }
 
 RectifiedFrame continued_frame(const RectifiedFrame& frame, const FeatureOptions& options) {
-  const BinaryDescriptor& descriptor = descriptor_of(options);
-  const int border_px = descriptor.reach_px - inside_px(descriptor);
+  const int border_px = border_px_of(descriptor_of(options));
   RectifiedFrame wide = frame;
   wide.gray = continued(frame.gray, frame.valid, border_px);
   wide.valid = cv::Mat();  // not that of `frame`

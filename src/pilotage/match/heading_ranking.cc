@@ -151,6 +151,7 @@ std::vector<double> promising_headings_deg(const cv::Mat& frame, const MatchPrio
                                            MapReader& map, const MatchOptions& options,
                                            const std::vector<double>& headings_deg, std::size_t count,
                                            const Checkpoint& checkpoint) {
+  if (headings_deg.empty()) return {};
   std::optional<CoarseMap> coarse;
   MatchPrior first = prior;
   first.attitude.yaw_deg = headings_deg.front();
