@@ -44,5 +44,42 @@ TEST(TileGroups, EachTileIsInOneGroupInsideItsWindow) {
   }
 }
 
+TileMatrix wide_matrix(std::int64_t width_px, int tile_px, int stride_px) {
+  GraySource source;
+  source.width_px = width_px;
+  source.height_px = 3000;
+  return testing::matrix_over(source, tile_px, stride_px);
+}
+
+TEST(TileGroups, SlabsAreTheTilesThatBeginInThem) {
+  const TileMatrix matrix = wide_matrix(3 * kSlabWidth_px, 200, 150);
+  const std::vector<std::int64_t> indices = testing::all_tiles(matrix);
+  const auto slabs = tiles_by_slab(matrix, indices);
+  ASSERT_EQ(slabs.size(), 3U);
+  std::vector<int> times(indices.size(), 0);
+  for (std::size_t slab = 0; slab < slabs.size(); ++slab) {
+    EXPECT_TRUE(std::is_sorted(slabs[slab].begin(), slabs[slab].end()));
+    for (const std::size_t place : slabs[slab]) {
+      ++times[place];
+      EXPECT_EQ(matrix.tile_window(matrix.cell_of(indices[place])).col / kSlabWidth_px,
+                static_cast<std::int64_t>(slab));
+    }
+  }
+  EXPECT_EQ(times, std::vector<int>(indices.size(), 1));
+  EXPECT_EQ(tiles_by_slab(matrix, std::vector<std::int64_t>{0, matrix.matrix_width() - 1}).size(), 2U);
+  EXPECT_TRUE(tiles_by_slab(matrix, {}).empty());
+}
+
+/// Down one slab, then the next: a group is never more than a slab's width to the left of one before it.
+TEST(TileGroups, OfAWideMapAreInTheOrderOfSlabs) {
+  const TileMatrix matrix = wide_matrix(3 * kSlabWidth_px, 200, 150);
+  std::int64_t rightmost_px = 0;
+  for (const TileGroup& group : group_tiles(matrix, testing::all_tiles(matrix), 0)) {
+    EXPECT_LE(rightmost_px - group.window.col, kSlabWidth_px);
+    rightmost_px = std::max(rightmost_px, group.window.col);
+  }
+  EXPECT_GT(rightmost_px, 2 * kSlabWidth_px);
+}
+
 }  // namespace
 }  // namespace pilotage

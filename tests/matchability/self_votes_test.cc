@@ -10,6 +10,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
+#include "pilotage/geo/tile_groups.h"
 #include "pilotage/raster/raster.h"
 
 namespace pilotage {
@@ -113,6 +114,47 @@ TEST(SelfVotes, AreTheSameForAnyThreadsAndAnyOtherTiles) {
   for (std::size_t i = 0; i < few.size(); ++i) {
     EXPECT_EQ(alone[i].features, one[static_cast<std::size_t>(few[i])].features);
     EXPECT_EQ(alone[i].noise, one[static_cast<std::size_t>(few[i])].noise);
+  }
+}
+
+/// The ground comes again every fourth block of features, and so do the votes; across the border of two slabs as well.
+/// One slab is done before the next is begun: what is kept of them does not grow with the width of the map.
+TEST(SelfVotes, OfAWideMapAreCountedSlabBySlab) {
+  constexpr int kPeriod_px = 4 * kFeatureBlockPx;
+  const cv::Mat piece = random_ground(kPeriod_px, 900, 4);
+  cv::Mat twice;
+  cv::hconcat(piece, piece, twice);
+  GraySource source = source_of(piece);
+  source.width_px = kSlabWidth_px + 2 * kPeriod_px;
+  bool next_slab = false;
+  bool went_back = false;
+  source.read = [&](const PixelWindow& window) {
+    next_slab = next_slab || window.col > kSlabWidth_px + kFeatureBlockPx;
+    went_back = went_back || (next_slab && window.col < kSlabWidth_px - 2 * kFeatureBlockPx);
+    Raster raster;
+    raster.pixels = twice(cv::Rect(static_cast<int>(window.col % kPeriod_px), static_cast<int>(window.row),
+                                   window.width, window.height))
+                        .clone();
+    raster.valid = cv::Mat(raster.pixels.size(), CV_8U, cv::Scalar(255));
+    return raster;
+  };
+  const TileMatrix matrix = matrix_over(source, 256, 128);
+  constexpr std::int64_t kTilesPerPeriod = kPeriod_px / 128;
+  constexpr std::int64_t kBorder = kSlabWidth_px / 128;
+  std::vector<std::int64_t> indices;
+  for (std::int64_t row = 0; row < matrix.matrix_height(); ++row) {
+    for (std::int64_t column = kBorder - kTilesPerPeriod; column < kBorder + kTilesPerPeriod; ++column) {
+      indices.push_back(matrix.index_of(column, row));
+    }
+  }
+  const auto votes = count_self_votes(source, matrix, indices, {}, 1);
+  EXPECT_TRUE(next_slab);
+  EXPECT_FALSE(went_back);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const std::size_t again = i % (2 * kTilesPerPeriod) < kTilesPerPeriod ? i + kTilesPerPeriod : i;
+    EXPECT_GT(votes[i].features, 100);
+    EXPECT_EQ(votes[i].features, votes[again].features) << indices[i];
+    EXPECT_EQ(votes[i].noise, votes[again].noise) << indices[i];
   }
 }
 

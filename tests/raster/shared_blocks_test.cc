@@ -141,6 +141,29 @@ TEST(SharedBlocks, WhatWasDroppedIsReadAgain) {
   EXPECT_EQ(reads, 1800);
 }
 
+// Three rows of them would take 2.3 GiB.
+TEST(SharedBlocks, RowsOfAVeryWideMapAreNotKeptWhole) {
+  GraySource source = in_blocks(noise(300, 300), 256, 256);
+  source.width_px = 256 * 6000;
+  source.height_px = 256 * 5;
+  int reads = 0;
+  source.read = [&reads](const PixelWindow& window) {
+    ++reads;
+    return Raster{cv::Mat(window.height, window.width, CV_16U), cv::Mat(window.height, window.width, CV_8U), {}};
+  };
+  const GraySource shared = share_blocks(source);
+  const auto read_row = [&](std::int64_t blocks) {
+    for (std::int64_t col = 0; col < 256 * blocks; col += 256) shared.read({col + 3, 5, 10, 10});
+  };
+  constexpr std::int64_t kKept = (256 << 20) / (256 * 256 * 3);  // 256 MiB of grays and their mask
+  read_row(kKept);
+  read_row(kKept);
+  EXPECT_EQ(reads, kKept);
+  read_row(2 * kKept);
+  read_row(2 * kKept);
+  EXPECT_EQ(reads, 4 * kKept);
+}
+
 // Each read waits for another one beside it: threads that want the same blocks do not wait for one maker.
 TEST(SharedBlocks, ThreadsThatWantTheSameBlocksMakeDifferentOnes) {
   const Raster raster = noise(1024, 512);

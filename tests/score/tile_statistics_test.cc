@@ -2,6 +2,7 @@
 
 #include <map>
 #include <mutex>
+#include <string_view>
 #include <utility>
 
 #include "testing/matrix_over.h"
@@ -9,6 +10,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
+#include "pilotage/geo/tile_groups.h"
 #include "pilotage/score/gray_statistics.h"
 
 namespace pilotage {
@@ -102,6 +104,47 @@ TEST(TileStatistics, StreamsWhatTheOracleSaysAndReadsEachBlockOnce) {
   expect_as_pixels(raster, matrix, some);
   for (std::size_t i = 0; i < results[0].scores.size(); ++i) {
     ASSERT_EQ(results[0].scores[i].frieden_deficit, results[1].scores[i].frieden_deficit);
+  }
+}
+
+/// Two slabs of columns. Only the blocks across their border are read for both.
+TEST(TileStatistics, AWideMapIsStreamedSlabBySlab) {
+  const Raster raster = noise(2 * kSlabWidth_px - 1000, 700, "wide");
+  const TileMatrix matrix = matrix_over(gray_source_from(raster), 96, 60);
+  CountedReads reads;
+  GraySource source = in_blocks(raster, 256, 256, reads);
+  std::int64_t rightmost_px = 0;
+  bool went_back = false;
+  source.read = [&, counted = source.read](const PixelWindow& window) {
+    if (window.col >= kSlabWidth_px + 256) rightmost_px = window.col;
+    if (rightmost_px > 0 && window.col < kSlabWidth_px - 256) went_back = true;
+    return counted(window);
+  };
+  Tiles tiles = tiles_of(matrix, 1);
+  std::int64_t told = 0;
+  stream_statistics(source, matrix, {}, tiles.measured(), 1,
+                    [&](std::string_view, std::int64_t done, std::int64_t total) {
+                      EXPECT_GE(done, told);
+                      EXPECT_EQ(total, matrix.tile_count());
+                      told = done;
+                      return true;
+                    });
+  EXPECT_EQ(told, matrix.tile_count());
+  EXPECT_FALSE(went_back);
+  EXPECT_EQ(reads.of_block.size(), 253U * 3U);
+  for (const auto& [block, count] : reads.of_block) {
+    EXPECT_EQ(count, block.second == kSlabWidth_px / 256 ? 2 : 1) << block.first << ", " << block.second;
+  }
+  Tiles some;
+  for (std::size_t i = 0; i < tiles.cells.size(); i += 13) some.add(tiles.cells[i], tiles.scores[i]);
+  expect_as_pixels(raster, matrix, some);
+
+  CountedReads strip_reads;  // strips as wide as the map are decoded for all columns, whoever asks
+  Tiles again = tiles_of(matrix, 1);
+  stream_statistics(in_blocks(raster, raster.pixels.cols, 8, strip_reads), matrix, {}, again.measured(), 2);
+  for (const auto& [strip, count] : strip_reads.of_block) EXPECT_EQ(count, 1) << strip.first;
+  for (std::size_t i = 0; i < tiles.scores.size(); ++i) {
+    ASSERT_EQ(tiles.scores[i].frieden_deficit, again.scores[i].frieden_deficit);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "pilotage/geo/tile_groups.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -9,14 +10,25 @@
 
 namespace pilotage {
 
+std::vector<std::vector<std::size_t>> tiles_by_slab(const TileMatrix& matrix, std::span<const std::int64_t> indices) {
+  std::map<std::int64_t, std::vector<std::size_t>> slabs;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    slabs[matrix.cell_of(indices[i]).column * matrix.stride_px / kSlabWidth_px].push_back(i);
+  }
+  std::vector<std::vector<std::size_t>> list;
+  for (auto& [slab, tiles] : slabs) list.push_back(std::move(tiles));
+  return list;
+}
+
 std::vector<TileGroup> group_tiles(const TileMatrix& matrix, std::span<const std::int64_t> indices, int halo_px) {
   constexpr int kGroupSide_px = 1024;
   const std::int64_t across = std::max(1, (kGroupSide_px - matrix.tile_size_px) / matrix.stride_px + 1);
-  std::map<std::pair<std::int64_t, std::int64_t>, TileGroup> groups;
+  const std::int64_t slab = std::max<std::int64_t>(1, kSlabWidth_px / (across * matrix.stride_px));  // in groups
+  std::map<std::array<std::int64_t, 3>, TileGroup> groups;
   for (std::size_t result_index = 0; result_index < indices.size(); ++result_index) {
     const auto [column, row] = matrix.cell_of(indices[result_index]);
     const PixelWindow reach = matrix.search_window(column, row, halo_px);
-    TileGroup& group = groups[{row / across, column / across}];
+    TileGroup& group = groups[{column / across / slab, row / across, column / across}];
     if (group.result_indices.empty()) group.window = reach;
     const std::int64_t end_col = std::max(group.window.col + group.window.width, reach.col + reach.width);
     const std::int64_t end_row = std::max(group.window.row + group.window.height, reach.row + reach.height);

@@ -12,6 +12,14 @@
 
 namespace pilotage {
 
+/// A pass over tiles that goes row by row keeps rows of what it reads or finds. It goes down slabs of this width, one
+/// after another, so that what it keeps does not grow with the width of the map.
+inline constexpr std::int64_t kSlabWidth_px = 1 << 15;
+
+/// Which of the given indices (row · matrix_width + column) are in which slab: places in `indices`, ascending, for each
+/// slab that has tiles, from left to right. Tiles belong to the slab in which they begin.
+std::vector<std::vector<std::size_t>> tiles_by_slab(const TileMatrix& matrix, std::span<const std::int64_t> indices);
+
 /// Neighbouring tiles that are read as one window, so that what overlapping tiles share is read once.
 struct TileGroup {
   PixelWindow window;                       ///< The tiles and `halo_px` around them, as far as the grid reaches.
@@ -24,7 +32,8 @@ struct TileGroup {
 };
 
 /// The tiles with the given indices (row · matrix_width + column) in groups whose windows, without the halo, are about
-/// 1,000 px wide and high, or as large as one tile. Which tiles share a group depends on their places alone.
+/// 1,000 px wide and high, or as large as one tile; slab by slab, row by row. Which tiles share a group depends on
+/// their places alone.
 std::vector<TileGroup> group_tiles(const TileMatrix& matrix, std::span<const std::int64_t> indices, int halo_px);
 
 /// Calls `body` for each group on up to `threads` threads (0 = all cores) at a time, and counts groups as `what`.

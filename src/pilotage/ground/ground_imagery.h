@@ -20,7 +20,7 @@ std::vector<std::string> dataset_names(const Imagery& imagery);
 GraySource open_gray(const Ground& ground, const GridLevel& level);
 
 /// A ground's imagery, opened once for all stages that read it: what one of them had decoded and warped the next one
-/// finds in memory, as far as kImageryBytes go (and three rows of blocks of each level, whatever their size).
+/// finds in memory, as far as kImageryBytes go (or three rows of blocks of each level, as share_blocks has it).
 struct GroundImagery {
   std::vector<GrayAndColors> levels;  ///< levels[i] is of ground.levels[i], in the imagery's own depth.
 };

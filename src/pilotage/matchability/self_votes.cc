@@ -9,6 +9,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/geo/tile_groups.h"
 #include "pilotage/vision/hamming.h"
 
 namespace pilotage {
@@ -193,34 +194,39 @@ SelfVotes votes_of_tile(const PixelWindow& tile, std::span<const FeatureBand* co
 std::vector<SelfVotes> count_self_votes(const GraySource& source, const TileMatrix& matrix,
                                         std::span<const std::int64_t> tile_indices, const FeatureOptions& options,
                                         int threads, const Progress& progress) {
-  std::map<std::int64_t, std::vector<std::size_t>> rows;  // of tiles: indices in the result
-  for (std::size_t i = 0; i < tile_indices.size(); ++i) {
-    const std::int64_t index = tile_indices[i];
-    if (index < 0 || index >= matrix.tile_count()) {
-      throw UsageError("tile index " + std::to_string(index) + " is outside [0, " +
-                       std::to_string(matrix.tile_count() - 1) + "]");
-    }
-    rows[matrix.cell_of(index).row].push_back(i);
+  for (const std::int64_t index : tile_indices) {
+    if (index >= 0 && index < matrix.tile_count()) continue;
+    throw UsageError("tile index " + std::to_string(index) + " is outside [0, " +
+                     std::to_string(matrix.tile_count() - 1) + "]");
   }
-  FeatureBands bands(source, matrix, tile_indices, options, threads);
   std::vector<SelfVotes> result(tile_indices.size());
   std::vector<VoteSurface> surfaces(static_cast<std::size_t>(thread_count(threads)));
   std::int64_t done = 0;
-  for (const auto& entry : rows) {
-    const std::int64_t row = entry.first;
-    const std::vector<std::size_t>& result_indices = entry.second;
-    report_progress(progress, "counting votes", done++, static_cast<std::int64_t>(rows.size()));
-    const std::int64_t first_band = row * matrix.stride_px / kFeatureBlockPx;
-    const std::int64_t last_band = (row * matrix.stride_px + matrix.tile_size_px - 1) / kFeatureBlockPx;
-    bands.forget_before(first_band - 1);
-    std::vector<const FeatureBand*> touched;
-    for (std::int64_t band = first_band; band <= last_band; ++band) {
-      if (const FeatureBand* found = bands.with_votes(band)) touched.push_back(found);
+  for (const std::vector<std::size_t>& slab : tiles_by_slab(matrix, tile_indices)) {
+    std::map<std::int64_t, std::vector<std::size_t>> rows;  // of tiles: indices in the result
+    std::vector<std::int64_t> indices;
+    for (const std::size_t i : slab) {
+      indices.push_back(tile_indices[i]);
+      rows[matrix.cell_of(tile_indices[i]).row].push_back(i);
     }
-    parallel_for(result_indices.size(), threads, [&](std::size_t i, int worker) {
-      const PixelWindow tile = matrix.tile_window(matrix.cell_of(tile_indices[result_indices[i]]));
-      result[result_indices[i]] = votes_of_tile(tile, touched, surfaces[static_cast<std::size_t>(worker)]);
-    });
+    FeatureBands bands(source, matrix, indices, options, threads);
+    for (const auto& entry : rows) {
+      const std::int64_t row = entry.first;
+      const std::vector<std::size_t>& result_indices = entry.second;
+      report_progress(progress, "counting votes", done, std::ssize(tile_indices));
+      const std::int64_t first_band = row * matrix.stride_px / kFeatureBlockPx;
+      const std::int64_t last_band = (row * matrix.stride_px + matrix.tile_size_px - 1) / kFeatureBlockPx;
+      bands.forget_before(first_band - 1);
+      std::vector<const FeatureBand*> touched;
+      for (std::int64_t band = first_band; band <= last_band; ++band) {
+        if (const FeatureBand* found = bands.with_votes(band)) touched.push_back(found);
+      }
+      parallel_for(result_indices.size(), threads, [&](std::size_t i, int worker) {
+        const PixelWindow tile = matrix.tile_window(matrix.cell_of(tile_indices[result_indices[i]]));
+        result[result_indices[i]] = votes_of_tile(tile, touched, surfaces[static_cast<std::size_t>(worker)]);
+      });
+      done += std::ssize(result_indices);
+    }
   }
   report_progress(progress, "counting votes", done, done);
   return result;

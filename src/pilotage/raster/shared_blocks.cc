@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::int64_t kLeastSide_px = 256;  // smaller blocks are joined
 constexpr std::int64_t kKeptPixels = 16 << 20;
+constexpr std::int64_t kMostRowsBytes = std::int64_t{256} << 20;
 
 std::int64_t unit_side(std::int64_t block_px, std::int64_t extent_px) {
   return std::min(extent_px, (kLeastSide_px + block_px - 1) / block_px * block_px);
@@ -31,6 +32,11 @@ int type_of(const ColorSource& source) {
 }
 
 template <class Source>
+std::int64_t bytes_per_px(const Source& source) {
+  return static_cast<std::int64_t>(CV_ELEM_SIZE(type_of(source)) + 1);  // and its mask
+}
+
+template <class Source>
 class Blocks {
  public:
   Blocks(const Source& source, std::int64_t kept_pixels)
@@ -40,7 +46,9 @@ class Blocks {
         height_px_(unit_side(source.block_height_px, source.height_px)) {
     const std::int64_t across = (source.width_px + width_px_ - 1) / width_px_;
     const std::int64_t down = (source.height_px + height_px_ - 1) / height_px_;
-    const std::int64_t most = std::max(3 * across, kept_pixels / (width_px_ * height_px_));
+    const std::int64_t block_px = width_px_ * height_px_;
+    const std::int64_t three_rows = std::min(3 * across, kMostRowsBytes / bytes_per_px(source) / block_px);
+    const std::int64_t most = std::max(three_rows, kept_pixels / block_px);
     most_ = static_cast<std::size_t>(most);
     keeps_all_ = across * down <= most;
   }
@@ -177,8 +185,7 @@ GraySource share_blocks(const GraySource& source) {
 }
 
 ColorSource share_blocks(const ColorSource& source, std::int64_t kept_bytes) {
-  const auto bytes_per_px = static_cast<std::int64_t>(CV_ELEM_SIZE(type_of(source)) + 1);  // and its mask
-  return shared_source(source, kept_bytes / bytes_per_px);
+  return shared_source(source, kept_bytes / bytes_per_px(source));
 }
 
 }  // namespace pilotage

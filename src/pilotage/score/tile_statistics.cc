@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pilotage/base/parallel.h"
+#include "pilotage/geo/tile_groups.h"
 #include "pilotage/score/gray_statistics.h"
 #include "pilotage/score/map_strip.h"
 
@@ -47,29 +48,41 @@ struct ColumnRange {
   }
 };
 
-/// What is read of a source at a time: whole blocks of its file.
+bool in_strips(const GraySource& source) {
+  return source.block_width_px >= source.width_px;
+}
+
+/// What is read of a source at a time: whole blocks of its file, as many columns of them as tiles touch.
 struct ReadUnits {
   std::int64_t width_px = 0;
   std::int64_t height_px = 0;
+  std::int64_t first_column = 0;  // of units
   std::int64_t across = 0;
   std::vector<char> wanted;  // row by row: some tile touches it
   ColumnRange columns;       // of the tiles
+  std::int64_t first_col_px = 0;
+  std::int64_t end_col_px = 0;
 
   ReadUnits(const GraySource& source, const TileMatrix& matrix, std::span<const MeasuredTile> tiles)
-      : width_px(source.block_width_px >= source.width_px ? source.width_px : side(source.block_width_px)),
+      : width_px(in_strips(source) ? source.width_px : side(source.block_width_px)),
         height_px(side(source.block_height_px)) {
-    across = (source.width_px + width_px - 1) / width_px;
+    for (const MeasuredTile& tile : tiles) columns.extend(tile.cell.column);
+    const auto last_unit_of = [&](const PixelWindow& window) { return (window.col + window.width - 1) / width_px; };
+    first_column = matrix.tile_window(columns.first, 0).col / width_px;
+    across = last_unit_of(matrix.tile_window(columns.last, 0)) + 1 - first_column;
+    first_col_px = first_column * width_px;
+    end_col_px = std::min(source.width_px, first_col_px + across * width_px);
     wanted.resize(static_cast<std::size_t>(across * ((source.height_px + height_px - 1) / height_px)));
     for (const MeasuredTile& tile : tiles) {
-      columns.extend(tile.cell.column);
       const PixelWindow window = matrix.tile_window(tile.cell);
       for (std::int64_t row = window.row / height_px; row * height_px < window.row + window.height; ++row) {
         const std::int64_t first = window.col / width_px;
-        const std::int64_t last = (window.col + window.width - 1) / width_px;
-        std::fill_n(wanted.begin() + row * across + first, last - first + 1, char{1});
+        std::fill_n(wanted.begin() + row * across + first - first_column, last_unit_of(window) - first + 1, char{1});
       }
     }
   }
+
+  int strip_width_px() const { return static_cast<int>(end_col_px - first_col_px); }
 
  private:
   static std::int64_t side(std::int64_t block_px) {
@@ -83,8 +96,8 @@ void move_to_top(cv::Mat& image, int first_row, int rows) {
   std::memmove(image.ptr(0), image.ptr(first_row), static_cast<std::size_t>(rows) * image.step[0]);
 }
 
-/// All columns of the map from one row to another, in `memory`, which holds the strip above; rows that it has are not
-/// read again. `checkpoint` is called again and again, by the calling thread, and may throw.
+/// The units' columns of the map from one row to another, in `memory`, which holds the strip above; rows that it has
+/// are not read again. `checkpoint` is called again and again, by the calling thread, and may throw.
 GrayWindow read_strip(const GraySource& source, const ReadUnits& units, std::int64_t first_row, std::int64_t end_row,
                       const GrayWindow& above, GrayWindow& memory, int threads,
                       const std::function<void()>& checkpoint) {
@@ -94,7 +107,7 @@ GrayWindow read_strip(const GraySource& source, const ReadUnits& units, std::int
     move_to_top(memory.valid, static_cast<int>(first_row - above.window.row), static_cast<int>(known - first_row));
   }
   GrayWindow strip;
-  strip.window = {0, first_row, static_cast<int>(source.width_px), static_cast<int>(end_row - first_row)};
+  strip.window = {units.first_col_px, first_row, units.strip_width_px(), static_cast<int>(end_row - first_row)};
   strip.pixels = memory.pixels.rowRange(0, strip.window.height);
   strip.valid = memory.valid.rowRange(0, strip.window.height);
   const std::int64_t first_unit = known / units.height_px * units.across;
@@ -102,10 +115,10 @@ GrayWindow read_strip(const GraySource& source, const ReadUnits& units, std::int
   parallel_for(static_cast<std::size_t>(end_unit - first_unit), threads, [&](std::size_t index, int worker) {
     if (worker == 0) checkpoint();
     const std::int64_t unit = first_unit + static_cast<std::int64_t>(index);
-    const std::int64_t col = unit % units.across * units.width_px;
+    const std::int64_t col = units.first_col_px + unit % units.across * units.width_px;
     const std::int64_t row = std::max(known, unit / units.across * units.height_px);
     const std::int64_t end = std::min((unit / units.across + 1) * units.height_px, end_row);
-    const PixelWindow window{col, row, static_cast<int>(std::min(units.width_px, source.width_px - col)),
+    const PixelWindow window{col, row, static_cast<int>(std::min(units.width_px, units.end_col_px - col)),
                              static_cast<int>(end - row)};
     const cv::Rect place = rect_in(strip.window, window);
     if (units.wanted[static_cast<std::size_t>(unit)] == 0) {
@@ -138,6 +151,33 @@ void score_sorted(const GrayWindow& map, const TileMatrix& matrix, const ScoreOp
   });
 }
 
+/// Statistics of tiles, from the top to the bottom of their columns. `report`, told how many of them are done, may
+/// throw.
+void stream_columns(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
+                    std::span<const MeasuredTile> tiles, int threads, const std::function<void(std::int64_t)>& report) {
+  const auto count = std::ssize(tiles);
+  const ReadUnits units(source, matrix, tiles);
+  const int width = units.strip_width_px();
+  const std::int64_t strip_rows = std::max<std::int64_t>(matrix.tile_size_px, kStatisticsStripPixels / width);
+  const auto most_rows = static_cast<int>(std::min(source.height_px, strip_rows + units.height_px));
+  GrayWindow memory{{}, cv::Mat(most_rows, width, source.depth), cv::Mat(most_rows, width, CV_8U)};
+  GrayWindow strip;
+  while (!tiles.empty()) {
+    const auto checkpoint = [&] { report(count - std::ssize(tiles)); };
+    checkpoint();
+    const std::int64_t first_row = matrix.tile_window(0, tiles.front().cell.row).row;
+    const std::int64_t end = (first_row + strip_rows + units.height_px - 1) / units.height_px * units.height_px;
+    strip = read_strip(source, units, first_row, std::min(end, source.height_px), strip, memory, threads, checkpoint);
+    const auto below = std::partition_point(tiles.begin(), tiles.end(), [&](const MeasuredTile& tile) {
+      const PixelWindow window = matrix.tile_window(0, tile.cell.row);
+      return window.row + window.height <= strip.window.row + strip.window.height;
+    });
+    const auto inside = static_cast<std::size_t>(below - tiles.begin());
+    score_sorted(strip, matrix, options, tiles.first(inside), units.columns, threads);
+    tiles = tiles.subspan(inside);
+  }
+}
+
 }  // namespace
 
 void score_statistics(const GrayWindow& map, const TileMatrix& matrix, const ScoreOptions& options,
@@ -153,30 +193,25 @@ void score_statistics(const GrayWindow& map, const TileMatrix& matrix, const Sco
 
 void stream_statistics(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
                        std::span<const MeasuredTile> tiles, int threads, const Progress& progress) {
-  const auto count = static_cast<std::int64_t>(tiles.size());
-  const ReadUnits units(source, matrix, tiles);
-  const std::int64_t strip_rows = std::max<std::int64_t>(matrix.tile_size_px, kStatisticsStripPixels / source.width_px);
-  const auto most_rows = static_cast<int>(std::min(source.height_px, strip_rows + units.height_px));
-  const auto width = static_cast<int>(source.width_px);
-  GrayWindow memory{{}, cv::Mat(most_rows, width, source.depth), cv::Mat(most_rows, width, CV_8U)};
-  GrayWindow strip;
-  while (!tiles.empty()) {
-    const auto report = [&] {
-      report_progress(progress, "score", count - static_cast<std::int64_t>(tiles.size()), count);
-    };
-    report();
-    const std::int64_t first_row = matrix.tile_window(0, tiles.front().cell.row).row;
-    const std::int64_t end = (first_row + strip_rows + units.height_px - 1) / units.height_px * units.height_px;
-    strip = read_strip(source, units, first_row, std::min(end, source.height_px), strip, memory, threads, report);
-    const auto below = std::partition_point(tiles.begin(), tiles.end(), [&](const MeasuredTile& tile) {
-      const PixelWindow window = matrix.tile_window(0, tile.cell.row);
-      return window.row + window.height <= strip.window.row + strip.window.height;
-    });
-    const auto inside = static_cast<std::size_t>(below - tiles.begin());
-    score_sorted(strip, matrix, options, tiles.first(inside), units.columns, threads);
-    tiles = tiles.subspan(inside);
+  std::vector<std::int64_t> indices;
+  for (const MeasuredTile& tile : tiles) indices.push_back(matrix.index_of(tile.cell.column, tile.cell.row));
+  std::vector<std::vector<MeasuredTile>> slabs;
+  if (in_strips(source)) {  // a slab would decode all the others
+    slabs.emplace_back(tiles.begin(), tiles.end());
+  } else {
+    for (const std::vector<std::size_t>& places : tiles_by_slab(matrix, indices)) {
+      std::vector<MeasuredTile>& slab = slabs.emplace_back();
+      for (const std::size_t place : places) slab.push_back(tiles[place]);
+    }
   }
-  report_progress(progress, "score", count, count);
+  std::int64_t done = 0;
+  for (const std::vector<MeasuredTile>& slab : slabs) {
+    stream_columns(source, matrix, options, slab, threads, [&](std::int64_t of_slab) {
+      report_progress(progress, "score", done + of_slab, std::ssize(tiles));
+    });
+    done += std::ssize(slab);
+  }
+  report_progress(progress, "score", done, done);
 }
 
 }  // namespace pilotage
