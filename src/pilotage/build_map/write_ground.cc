@@ -58,6 +58,9 @@ void write_tiles(MapWriter& writer, const ScoreTable& table, std::span<const std
   }
 }
 
+// Of features that are in memory at a time, where a row of them is not more.
+constexpr std::int64_t kMostStripBlocks = 256;
+
 // Collects the features of one level strip by strip and hands them on tile by tile, in ascending tile_id.
 class LevelBuilder {
  public:
@@ -78,7 +81,10 @@ class LevelBuilder {
 
   void build(BuildStats& stats, int threads, const Progress& progress) {
     const TileMatrix& matrix = level_.matrix;
-    constexpr std::int64_t kStrip_px = 4 * kFeatureBlockPx;  // whole blocks, so that none is computed twice
+    // Whole blocks, so that none is computed twice; fewer rows of them where these are very long.
+    const std::int64_t block_rows =
+        std::clamp<std::int64_t>(kMostStripBlocks * kFeatureBlockPx / matrix.grid_width_px, 1, 4);
+    const std::int64_t strip_px = block_rows * kFeatureBlockPx;
     std::int64_t begin_px = tiles_.front()->row * matrix.stride_px / kFeatureBlockPx * kFeatureBlockPx;
     const std::int64_t end_px = tiles_.back()->row * matrix.stride_px + matrix.tile_size_px;
     const std::string what = "describing level " + std::to_string(matrix.level);
@@ -90,12 +96,13 @@ class LevelBuilder {
       report_progress(progress, what, std::llround(share * static_cast<double>(tiles_.size())), std::ssize(tiles_));
     };
     tell(static_cast<double>(begin_px));
-    for (; begin_px < end_px; begin_px += kStrip_px) {
-      add_strip(begin_px, begin_px + kStrip_px, threads, [&](std::string_view, std::int64_t done, std::int64_t total) {
-        tell(static_cast<double>(begin_px) + kStrip_px * static_cast<double>(done) / static_cast<double>(total));
+    for (; begin_px < end_px; begin_px += strip_px) {
+      add_strip(begin_px, begin_px + strip_px, threads, [&](std::string_view, std::int64_t done, std::int64_t total) {
+        const double share = static_cast<double>(done) / static_cast<double>(total);
+        tell(static_cast<double>(begin_px) + static_cast<double>(strip_px) * share);
         return true;
       });
-      write_tiles_above(begin_px + kStrip_px, stats);
+      write_tiles_above(begin_px + strip_px, stats);
     }
     stats.descriptors += descriptors_;
     stats.descriptor_bytes += descriptors_ * (kKeypointBytes + features_.descriptor_bits / 8);

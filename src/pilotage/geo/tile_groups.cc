@@ -10,14 +10,21 @@
 
 namespace pilotage {
 
-std::vector<std::vector<std::size_t>> tiles_by_slab(const TileMatrix& matrix, std::span<const std::int64_t> indices) {
-  std::map<std::int64_t, std::vector<std::size_t>> slabs;
+std::vector<std::vector<std::size_t>> tiles_by_rectangle(const TileMatrix& matrix,
+                                                         std::span<const std::int64_t> indices, std::int64_t width_px,
+                                                         std::int64_t height_px) {
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::size_t>> rectangles;
   for (std::size_t i = 0; i < indices.size(); ++i) {
-    slabs[matrix.cell_of(indices[i]).column * matrix.stride_px / kSlabWidth_px].push_back(i);
+    const auto [column, row] = matrix.cell_of(indices[i]);
+    rectangles[{column * matrix.stride_px / width_px, row * matrix.stride_px / height_px}].push_back(i);
   }
   std::vector<std::vector<std::size_t>> list;
-  for (auto& [slab, tiles] : slabs) list.push_back(std::move(tiles));
+  for (auto& [place, tiles] : rectangles) list.push_back(std::move(tiles));
   return list;
+}
+
+std::vector<std::vector<std::size_t>> tiles_by_slab(const TileMatrix& matrix, std::span<const std::int64_t> indices) {
+  return tiles_by_rectangle(matrix, indices, kSlabWidth_px, matrix.grid_height_px);
 }
 
 std::vector<TileGroup> group_tiles(const TileMatrix& matrix, std::span<const std::int64_t> indices, int halo_px) {

@@ -16,8 +16,14 @@ namespace pilotage {
 /// after another, so that what it keeps does not grow with the width of the map.
 inline constexpr std::int64_t kSlabWidth_px = 1 << 15;
 
-/// Which of the given indices (row · matrix_width + column) are in which slab: places in `indices`, ascending, for each
-/// slab that has tiles, from left to right. Tiles belong to the slab in which they begin.
+/// Which of the given indices (row · matrix_width + column) begin in which rectangle of the map, cut every `width_px`
+/// and `height_px` from its corner: places in `indices`, ascending, for each rectangle that has tiles, down one column
+/// of rectangles, then the next.
+std::vector<std::vector<std::size_t>> tiles_by_rectangle(const TileMatrix& matrix,
+                                                         std::span<const std::int64_t> indices, std::int64_t width_px,
+                                                         std::int64_t height_px);
+
+/// The same for slabs, from left to right.
 std::vector<std::vector<std::size_t>> tiles_by_slab(const TileMatrix& matrix, std::span<const std::int64_t> indices);
 
 /// Neighbouring tiles that are read as one window, so that what overlapping tiles share is read once.

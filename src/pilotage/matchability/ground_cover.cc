@@ -196,21 +196,25 @@ void check_request(const ColorSource& colors, const TileMatrix& matrix, std::spa
 
 }  // namespace
 
+double white_of(const ColorSource& colors) {
+  return colors.depth == CV_8U ? 255 : std::max(find_stretch(gray_source_of(colors)).high, 1e-300);
+}
+
 std::vector<GroundCover> measure_ground_cover(const ColorSource& colors, const TileMatrix& matrix,
                                               std::span<const std::int64_t> tile_indices, int threads,
-                                              const Progress& progress) {
+                                              const Progress& progress, std::optional<double> white) {
   check_request(colors, matrix, tile_indices);
   std::vector<std::int64_t> indices(tile_indices.begin(), tile_indices.end());
   if (indices.empty()) {
     indices.resize(static_cast<std::size_t>(matrix.tile_count()));
     std::iota(indices.begin(), indices.end(), 0);
   }
-  const double white = colors.depth == CV_8U ? 255 : std::max(find_stretch(gray_source_of(colors)).high, 1e-300);
+  if (!white) white = white_of(colors);
   std::vector<GroundCover> covers(indices.size());
   const std::vector<TileGroup> groups = group_tiles(matrix, indices, kHalo_px);
   for_each_group(groups, "ground cover", threads, progress, [&](const TileGroup& group) {
     const Raster raster = colors.read(group.window);
-    const cv::Mat pixels = to_8bit(raster, white);
+    const cv::Mat pixels = to_8bit(raster, *white);
     const CoverSums sums(pixels, gray_from_colors(pixels), cv::Mat(raster.valid != 0) / 255);
     for (const std::size_t result_index : group.result_indices) {
       const PixelWindow tile = group.place_of(matrix.tile_window(matrix.cell_of(indices[result_index])));

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -39,17 +40,21 @@ inline constexpr double kDarkGray = 0.4;
 inline constexpr double kWaterGreenLeafIndex = 0.08;
 inline constexpr double kWaterMajority = 0.66;
 
+/// The value that white has: 255 for 8-bit imagery, the gray value that 99.5 % of a sample stay below (find_stretch)
+/// for all other.
+double white_of(const ColorSource& colors);
+
 /// The ground cover of tiles of `matrix`, whose pixel grid is that of `colors`. Result i belongs to `tile_indices[i]`,
-/// index = row · matrix_width + column; an empty list means all tiles, in this order. White is 255 for 8-bit imagery
-/// and the gray value that 99.5 % of a sample stay below (find_stretch) for all other; the bands of other imagery must
-/// be red, green and blue in one scale. A tile of which nearly all pixels are neutral (red = green = blue) counts as
-/// without colours. What the thresholds are worth: docs/methods/reasons.md.
+/// index = row · matrix_width + column; an empty list means all tiles, in this order. `white` is white_of() the colours
+/// where the caller knows it, else it is measured. The bands of imagery of other than 8 bits must be red, green and
+/// blue in one scale. A tile of which nearly all pixels are neutral (red = green = blue) counts as without colours.
+/// What the thresholds are worth: docs/methods/reasons.md.
 ///
 /// Streams groups of neighbouring tiles of about 1,000 × 1,000 px, one per thread in memory. Integer arithmetic: the
 /// result depends neither on `threads` (0 = all cores) nor on which other tiles are asked for. Throws UsageError for an
 /// index out of range, DataError when the matrix is not that of the imagery or reading fails; Interrupted.
 std::vector<GroundCover> measure_ground_cover(const ColorSource& colors, const TileMatrix& matrix,
                                               std::span<const std::int64_t> tile_indices, int threads = 0,
-                                              const Progress& progress = {});
+                                              const Progress& progress = {}, std::optional<double> white = {});
 
 }  // namespace pilotage

@@ -10,8 +10,9 @@
 
 namespace pilotage {
 
-void add_ground_cover(const ColorSource& colors, const TileMatrix& matrix, std::span<const std::int64_t> tile_indices,
-                      std::span<TileScores> scores, int threads, const Progress& progress) {
+void add_ground_cover(const ColorSource& colors, double white, const TileMatrix& matrix,
+                      std::span<const std::int64_t> tile_indices, std::span<TileScores> scores, int threads,
+                      const Progress& progress) {
   std::vector<TileScores*> scored;
   std::vector<std::int64_t> indices;
   for (std::size_t i = 0; i < scores.size(); ++i) {
@@ -20,7 +21,7 @@ void add_ground_cover(const ColorSource& colors, const TileMatrix& matrix, std::
     indices.push_back(tile_indices[i]);
   }
   if (indices.empty()) return;
-  const std::vector<GroundCover> covers = measure_ground_cover(colors, matrix, indices, threads, progress);
+  const std::vector<GroundCover> covers = measure_ground_cover(colors, matrix, indices, threads, progress, white);
   for (std::size_t i = 0; i < scored.size(); ++i) {
     scored[i]->vegetation_share = covers[i].vegetation_share;
     scored[i]->water_share = covers[i].water_share;

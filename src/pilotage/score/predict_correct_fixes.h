@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,10 +21,13 @@ MatchabilityModel model_for(const ScoreOptions& options);
 
 /// Fills map_features, vote_noise, fine_contrast, p_correct_fix, level_sigma, level_tiles and level_age_months of
 /// scored tiles of `matrix`, whose statistics are there: scores[i] is of the tile with index tile_indices[i]. Flat
-/// tiles have P = 0; those with too little ground have none. Throws as count_self_votes.
-void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
+/// tiles have P = 0; those with too little ground have none. `shown` is the map in 8 bits (stretch_to_8bit);
+/// `usual_contrast` is its usual_fine_contrast for these tiles where the options do not say it, and is measured where
+/// it is not known yet and a tile needs it. Throws as count_self_votes.
+void predict_correct_fixes(const GraySource& shown, const TileMatrix& matrix, const ScoreOptions& options,
                            const MatchabilityModel& model, std::span<const std::int64_t> tile_indices,
-                           std::vector<TileScores>& scores, int threads, const Progress& progress);
+                           std::vector<TileScores>& scores, std::optional<double>& usual_contrast, int threads,
+                           const Progress& progress);
 
 /// The options for a ground of one level with what its P is held against (ScoreOptions::usual_fine_contrast) measured
 /// where they do not say it: scores are the same with it as without. As they are where no P is asked for, or no window

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pilotage/base/progress.h"
+#include "pilotage/degradation/degradation.h"
+#include "pilotage/geo/tile_matrix.h"
+#include "pilotage/ground/tile_scores.h"
+#include "pilotage/matchability/matchability_model.h"
+#include "pilotage/raster/gray_source.h"
+#include "pilotage/score/score_tiles.h"
+
+namespace pilotage {
+
+/// What the scoring of a map knows before its first tile, for tiles that are scored in several calls.
+struct TileScoring {
+  const GraySource& source;
+  const TileMatrix& matrix;
+  const ScoreOptions& options;
+  int radius_px;  ///< 0 when no surface is asked for.
+  int threads;
+  int margin_px = 0;  ///< Context of degraded copies.
+  double center = 0;
+  int lag_step = 1;
+  std::vector<Degrader> copies{};
+  std::optional<MatchabilityModel> model{};  ///< When P is asked for.
+  GraySource shown{};                        ///< The map in 8 bits, with a model.
+  std::optional<double> usual_contrast{};    ///< What P is held against, once a tile has needed it.
+  std::span<const std::int64_t> indices{};   ///< Of the tiles of the call, ascending.
+
+  bool clean() const;
+  bool degraded() const;
+  std::size_t place_of(std::int64_t index) const;
+};
+
+/// Tiles whose pixels are read and transformed together, counted from the first tile of the map: calls that ask for
+/// whole blocks do not do so twice. 1 by 1 when no surface is asked for.
+struct BlockSize {
+  std::int64_t columns = 1;
+  std::int64_t rows = 1;
+};
+BlockSize block_size(const TileScoring& scoring);
+
+/// Arguments and exceptions are those of the other score_tiles; source, matrix and options must outlive the result.
+TileScoring begin_scoring(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
+                          const ScoreOptions& options, std::uint64_t seed, int threads, const Progress& progress);
+
+/// Scores some tiles of the map, as the other score_tiles does.
+std::vector<TileScores> score_tiles(TileScoring& scoring, std::span<const std::int64_t> tile_indices,
+                                    const Progress& progress);
+
+}  // namespace pilotage
