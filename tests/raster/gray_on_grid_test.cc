@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -61,6 +62,54 @@ TEST(GrayOnGrid, TheSameGridGivesTheSamePixels) {
   const Raster part = source.read({5, 6, 7, 8});
   EXPECT_EQ(part.map_from_pixel, spec.place.shifted(5, 6));
   EXPECT_EQ(cv::norm(part.pixels, own.pixels(cv::Rect(5, 6, 7, 8)), cv::NORM_INF), 0);
+}
+
+/// Keys' kernel, a = -1/2.
+double keys_weight(double distance_px) {
+  const double d = std::abs(distance_px);
+  if (d < 1) return (1.5 * d - 2.5) * d * d + 1;
+  return d < 2 ? ((-0.5 * d + 2.5) * d - 4) * d + 2 : 0;
+}
+
+double keys_value(const cv::Mat& gray, double col, double row) {
+  double sum = 0;
+  for (int y = static_cast<int>(std::floor(row)) - 1; y < std::floor(row) + 3; ++y) {
+    for (int x = static_cast<int>(std::floor(col)) - 1; x < std::floor(col) + 3; ++x) {
+      sum += keys_weight(row - y) * keys_weight(col - x) * gray.at<std::uint8_t>(y, x);
+    }
+  }
+  return std::clamp(sum, 0.0, 255.0);
+}
+
+/// Near the imagery's scale the kernel is four pixels wide, in every block; on coarser grids it is wider, as GDAL has
+/// it.
+TEST(GrayOnGrid, TheCubicKernelIsNotWidenedNearTheImagerysScale) {
+  const TemporaryFolder folder;
+  Random random(seed_from_name("keys"));
+  cv::Mat gray(500, 900, CV_8U);
+  for (int row = 0; row < gray.rows; ++row) {
+    for (int col = 0; col < gray.cols; ++col) gray.at<std::uint8_t>(row, col) = random.below(256) & 255;
+  }
+  RasterSpec spec = ramp(0.5, gray.cols, gray.rows, GDT_Byte);
+  spec.value = [&](int, int col, int row) { return gray.at<std::uint8_t>(row, col); };
+  const std::string path = make_raster(folder / "noise.tif", spec);
+  for (const double gsd_m : {0.45, 0.5, 0.53, 0.549, 0.6}) {
+    const GeoTransform place = GeoTransform::north_up(500002.13, 4'999'998.4, gsd_m);
+    const Raster raster = read_all(open_gray_on_grid({path}, utm33(), place, 700, 300));
+    double largest = 0;
+    for (int row = 0; row < raster.pixels.rows; ++row) {
+      for (int col = 0; col < raster.pixels.cols; ++col) {
+        const Eigen::Vector2d at = spec.place.pixel_from_map(place.map_from_pixel({col + 0.5, row + 0.5}));
+        const double plain = keys_value(gray, at.x() - 0.5, at.y() - 0.5);
+        largest = std::max(largest, std::abs(raster.pixels.at<std::uint8_t>(row, col) - plain));
+      }
+    }
+    if (gsd_m < 0.55) {
+      EXPECT_LT(largest, 0.51) << gsd_m;
+    } else {
+      EXPECT_GT(largest, 10) << gsd_m;
+    }
+  }
 }
 
 TEST(GrayOnGrid, PutsGroundWhereItBelongs) {

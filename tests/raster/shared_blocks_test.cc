@@ -14,6 +14,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/base/random.h"
+#include "pilotage/geo/tile_groups.h"
 
 namespace pilotage {
 namespace {
@@ -162,6 +163,26 @@ TEST(SharedBlocks, RowsOfAVeryWideMapAreNotKeptWhole) {
   read_row(2 * kKept);
   read_row(2 * kKept);
   EXPECT_EQ(reads, 4 * kKept);
+}
+
+// What goes down slabs finds three rows of one again, however large its blocks.
+TEST(SharedBlocks, RowsOfASlabAreKept) {
+  GraySource source = in_blocks(noise(300, 300), 4096, 4096);
+  source.width_px = 4096 * 30;
+  source.height_px = 4096 * 5;
+  int reads = 0;
+  source.read = [&reads](const PixelWindow& window) {
+    ++reads;
+    return Raster{cv::Mat(window.height, window.width, CV_16U), cv::Mat(window.height, window.width, CV_8U), {}};
+  };
+  const GraySource shared = share_blocks(source);
+  constexpr std::int64_t kAcross = kSlabWidth_px / 4096 + 1;  // one lies across the border
+  for (int round = 0; round < 2; ++round) {
+    for (std::int64_t row = 0; row < 3; ++row) {
+      for (std::int64_t col = 0; col < kAcross; ++col) shared.read({4096 * col + 3, 4096 * row + 5, 10, 10});
+    }
+  }
+  EXPECT_EQ(reads, 3 * kAcross);
 }
 
 // Each read waits for another one beside it: threads that want the same blocks do not wait for one maker.

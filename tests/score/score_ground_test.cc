@@ -1,10 +1,10 @@
 #include "pilotage/score/score_ground.h"
 
 #include <algorithm>
-#include <map>
-#include <span>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "testing/float_ground.h"
 #include "testing/temporary_folder.h"
@@ -14,6 +14,7 @@
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/ground/tile_table.h"
 #include "pilotage/matchability/reasons.h"
+#include "pilotage/score/add_ground_cover.h"
 #include "pilotage/score/score_run.h"
 
 namespace pilotage {
@@ -72,45 +73,52 @@ TEST(ExplainScores, HoldsEachTileAgainstItsOwnLevel) {
   EXPECT_THAT(scores[3].reasons, IsEmpty());
 }
 
-/// A grid of which no more than a part stays in memory is scored part by part: each tile as it is alone.
+/// Tiles around the corner where four parts of a grid meet that does not stay in memory, as they are when all measures
+/// go over all of them.
 TEST(ScoreGround, OfALargeGridIsScoredPartByPart) {
   const testing::TemporaryFolder folder;
   ScoreRunOptions options;
-  options.grid.gsd_m = 0.03125;
+  options.grid.gsd_m = 0.0625;
   options.grid.tile_size_px = 64;
-  options.grid.stride_px = 1000;
+  options.grid.stride_px = 100;
   options.grid.search_radius_px = 12;
-  options.score.measures = {ScoreMeasure::kGrayVariance, ScoreMeasure::kUniqueness, ScoreMeasure::kGroundCover,
-                            ScoreMeasure::kCorrectFix};
-  const ScoreRun run = open_score_run({testing::write_float_ground(folder, 10, 12'000)}, options, 7);
-  const Ground all = whole_ground(run);
-  const TileMatrix& matrix = all.levels.front().matrix;
-  ASSERT_GT(matrix.grid_width_px * matrix.grid_height_px * 9, kImageryBytes) << "9 bytes: a double and its mask";
-  std::vector<std::string> order;
-  std::map<std::string, std::int64_t> told;
-  const auto scores = score_ground_tiles(all, run.options.score, nullptr, run.seed, 2,
-                                         [&](std::string_view what, std::int64_t done, std::int64_t total) {
-                                           const std::string name(what);
-                                           if (order.empty() || order.back() != name) order.push_back(name);
-                                           if (name == "ground cover") {
-                                             EXPECT_EQ(total, matrix.tile_count());
-                                           }
-                                           if (total == matrix.tile_count()) {
-                                             EXPECT_GE(done, told[name]) << name;
-                                             told[name] = done;
-                                           }
-                                           return true;
-                                         });
-  EXPECT_EQ(std::count(order.begin(), order.end(), "ground cover"), 3) << "64 columns each";
-  EXPECT_EQ(std::count(order.begin(), order.end(), "usual contrast"), 1);
-  EXPECT_EQ(told["ground cover"], matrix.tile_count());
-  const std::vector<TileRow> rows = tile_rows(all, scores);
-  for (const std::int64_t place : {std::int64_t{0}, matrix.tile_count() - 1}) {
-    const Ground one = part_of_ground(run, {place}, 1);
-    const auto alone = tile_rows(one, score_ground_tiles(one, run.options.score, nullptr, run.seed, 1));
-    EXPECT_EQ(tile_table_to_csv(alone), tile_table_to_csv(std::span(rows).subspan(static_cast<std::size_t>(place), 1)))
-        << place;
+  options.score.measures = {ScoreMeasure::kGrayVariance, ScoreMeasure::kUniqueness, ScoreMeasure::kDegraded,
+                            ScoreMeasure::kGroundCover, ScoreMeasure::kCorrectFix};
+  options.score.degraded_copies = 1;
+  const ScoreRun run = open_score_run({testing::write_float_ground(folder, 500, 1000)}, options, 7);
+  const TileMatrix& matrix = run.ground.levels.front().matrix;
+  std::vector<std::int64_t> indices;
+  for (std::int64_t row = 8; row < 36; ++row) {
+    for (std::int64_t column = 61; column < 66; ++column) indices.push_back(matrix.index_of(column, row));
   }
+  Ground ground = run.ground;
+  cut_tiles(ground, indices);
+  const GroundImagery imagery = open_imagery(ground);
+  ASSERT_LT(imagery.levels.front().kept_px, matrix.grid_width_px * matrix.grid_height_px);
+
+  std::vector<std::string> order;
+  std::int64_t told = 0;
+  const auto scores = score_ground_tiles(
+      ground, run.options.score, nullptr, run.seed, 2,
+      [&](std::string_view what, std::int64_t done, std::int64_t total) {
+        if (order.empty() || order.back() != what) order.emplace_back(what);
+        if (what == "usual contrast" || total == 0) return true;
+        EXPECT_EQ(total, std::ssize(indices)) << what;
+        EXPECT_GE(done, told) << what;
+        told = done;
+        return true;
+      },
+      &imagery);
+  EXPECT_EQ(told, std::ssize(indices));
+  EXPECT_EQ(std::count(order.begin(), order.end(), "usual contrast"), 1);
+  EXPECT_GE(std::count(order.begin(), order.end(), "ground cover"), 4);
+
+  const GrayAndColors& level = imagery.levels.front();
+  std::vector<TileScores> at_once =
+      score_tiles(level.gray, matrix, ground.levels.front().search_radius_px, indices, run.options.score, run.seed, 1);
+  std::optional<double> white;
+  add_ground_cover(level.colors, white, matrix, indices, at_once, 1, {});
+  EXPECT_EQ(tile_table_to_csv(ground, scores), tile_table_to_csv(ground, at_once));
 }
 
 }  // namespace

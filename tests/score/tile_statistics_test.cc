@@ -179,6 +179,13 @@ TEST(TileStatistics, AreComputedInAnyWindowAndOrder) {
   expect_as_pixels(raster, matrix, tiles);
 }
 
+TEST(TileStatistics, NoTilesAreNothing) {
+  const Raster raster = noise(300, 300, "none");
+  CountedReads reads;
+  stream_statistics(in_blocks(raster, 300, 16, reads), matrix_over(gray_source_from(raster), 64, 64), {}, {}, 1);
+  EXPECT_TRUE(reads.of_block.empty());
+}
+
 TEST(TileStatistics, AnErrorOfReadingIsTold) {
   const Raster raster = noise(300, 300, "error");
   GraySource source = gray_source_from(raster);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "pilotage/base/error.h"
@@ -58,9 +59,6 @@ void write_tiles(MapWriter& writer, const ScoreTable& table, std::span<const std
   }
 }
 
-// Of features that are in memory at a time, where a row of them is not more.
-constexpr std::int64_t kMostStripBlocks = 256;
-
 // Collects the features of one level strip by strip and hands them on tile by tile, in ascending tile_id.
 class LevelBuilder {
  public:
@@ -81,10 +79,6 @@ class LevelBuilder {
 
   void build(BuildStats& stats, int threads, const Progress& progress) {
     const TileMatrix& matrix = level_.matrix;
-    // Whole blocks, so that none is computed twice; fewer rows of them where these are very long.
-    const std::int64_t block_rows =
-        std::clamp<std::int64_t>(kMostStripBlocks * kFeatureBlockPx / matrix.grid_width_px, 1, 4);
-    const std::int64_t strip_px = block_rows * kFeatureBlockPx;
     std::int64_t begin_px = tiles_.front()->row * matrix.stride_px / kFeatureBlockPx * kFeatureBlockPx;
     const std::int64_t end_px = tiles_.back()->row * matrix.stride_px + matrix.tile_size_px;
     const std::string what = "describing level " + std::to_string(matrix.level);
@@ -96,13 +90,16 @@ class LevelBuilder {
       report_progress(progress, what, std::llround(share * static_cast<double>(tiles_.size())), std::ssize(tiles_));
     };
     tell(static_cast<double>(begin_px));
-    for (; begin_px < end_px; begin_px += strip_px) {
-      add_strip(begin_px, begin_px + strip_px, threads, [&](std::string_view, std::int64_t done, std::int64_t total) {
-        const double share = static_cast<double>(done) / static_cast<double>(total);
-        tell(static_cast<double>(begin_px) + static_cast<double>(strip_px) * share);
+    while (begin_px < end_px) {
+      const std::int64_t strip_px = strip_height_px(begin_px);
+      const std::int64_t strip_end_px = begin_px + strip_px;
+      add_strip(begin_px, strip_end_px, threads, [&](std::string_view, std::int64_t done, std::int64_t total) {
+        const double of_strip = static_cast<double>(done) / static_cast<double>(total);
+        tell(static_cast<double>(begin_px) + static_cast<double>(strip_px) * of_strip);
         return true;
       });
-      write_tiles_above(begin_px + strip_px, stats);
+      write_tiles_above(strip_end_px, stats);
+      begin_px = strip_end_px;
     }
     stats.descriptors += descriptors_;
     stats.descriptor_bytes += descriptors_ * (kKeypointBytes + features_.descriptor_bits / 8);
@@ -121,14 +118,37 @@ class LevelBuilder {
     return cells;
   }
 
+  // Selected tiles with pixels between two rows of them.
+  std::span<const GroundTile* const> tiles_between(std::int64_t begin_px, std::int64_t end_px) const {
+    const TileMatrix& matrix = level_.matrix;
+    const auto first = std::partition_point(tiles_.begin(), tiles_.end(), [&](const GroundTile* tile) {
+      return tile->row * matrix.stride_px + matrix.tile_size_px <= begin_px;
+    });
+    const auto last = std::partition_point(
+        first, tiles_.end(), [&](const GroundTile* tile) { return tile->row * matrix.stride_px < end_px; });
+    return {first, last};
+  }
+
+  // Whole blocks of features, so that none is computed twice: four rows of them, less where many tiles lie side by
+  // side, so that what is in memory does not grow with the length of the map.
+  std::int64_t strip_height_px(std::int64_t begin_px) const {
+    constexpr std::int64_t kMostTilePixels = std::int64_t{64} << 20;
+    const std::int64_t side_px = std::min(level_.matrix.stride_px, level_.matrix.tile_size_px);
+    std::int64_t height_px = 4 * kFeatureBlockPx;
+    while (height_px > kFeatureBlockPx &&
+           std::ssize(tiles_between(begin_px, begin_px + height_px)) * side_px * side_px > kMostTilePixels) {
+      height_px /= 2;
+    }
+    return height_px;
+  }
+
   // The parts of the selected tiles' windows between two rows of pixels.
   std::vector<PixelWindow> windows_of_strip(std::int64_t begin_px, std::int64_t end_px) const {
     std::vector<PixelWindow> windows;
-    for (const GroundTile* tile : tiles_) {
+    for (const GroundTile* tile : tiles_between(begin_px, end_px)) {
       PixelWindow window = level_.matrix.tile_window(tile->column, tile->row);
       const std::int64_t top = std::max(window.row, begin_px);
       const std::int64_t bottom = std::min(window.row + window.height, end_px);
-      if (top >= bottom) continue;
       window.row = top;
       window.height = static_cast<int>(bottom - top);
       windows.push_back(window);

@@ -27,7 +27,7 @@ GroundImagery open_imagery(const Ground& ground) {
     const TileMatrix& matrix = level.matrix;
     if (imagery.own_grid) {
       opened.levels.push_back(
-          {open_gray(ground, level), open_colors(imagery.datasets.front().dataset, imagery.options)});
+          {open_gray(ground, level), open_colors(imagery.datasets.front().dataset, imagery.options), 0});
     } else {
       opened.levels.push_back(open_gray_and_colors_on_grid(dataset_names(imagery), ground.crs, matrix.map_from_pixel,
                                                            matrix.grid_width_px, matrix.grid_height_px, imagery.options,

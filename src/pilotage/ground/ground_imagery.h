@@ -20,11 +20,12 @@ std::vector<std::string> dataset_names(const Imagery& imagery);
 GraySource open_gray(const Ground& ground, const GridLevel& level);
 
 /// A ground's imagery, opened once for all stages that read it: what one of them had decoded and warped the next one
-/// finds in memory, as far as kImageryBytes go (or three rows of blocks of each level, as share_blocks has it).
+/// finds in memory, as far as kImageryBytes go for all levels together, and for each level three rows of blocks as
+/// share_blocks has them.
 struct GroundImagery {
   std::vector<GrayAndColors> levels;  ///< levels[i] is of ground.levels[i], in the imagery's own depth.
 };
-inline constexpr std::int64_t kImageryBytes = std::int64_t{256} << 20;  ///< For all levels together.
+inline constexpr std::int64_t kImageryBytes = std::int64_t{256} << 20;
 
 /// Throws as open_gray and open_gray_and_colors_on_grid.
 GroundImagery open_imagery(const Ground& ground);

@@ -118,7 +118,7 @@ std::vector<double> measure_fine_contrast(const GraySource& shown, const TileMat
     throw DataError("fine contrast: the tile matrix is not that of the imagery's grid");
   }
   std::vector<double> contrasts(tile_indices.size(), kNaN);
-  const std::vector<TileGroup> groups = group_tiles(matrix, tile_indices, kReach_px);
+  const std::vector<TileGroup> groups = group_tiles(matrix, tile_indices, kReach_px, shown.block_width_px);
   for_each_group(groups, "fine contrast", threads, progress, [&](const TileGroup& group) {
     const ContrastSums sums(shown.read(group.window));
     for (const std::size_t result_index : group.result_indices) {

@@ -211,7 +211,7 @@ std::vector<GroundCover> measure_ground_cover(const ColorSource& colors, const T
   }
   if (!white) white = white_of(colors);
   std::vector<GroundCover> covers(indices.size());
-  const std::vector<TileGroup> groups = group_tiles(matrix, indices, kHalo_px);
+  const std::vector<TileGroup> groups = group_tiles(matrix, indices, kHalo_px, colors.block_width_px);
   for_each_group(groups, "ground cover", threads, progress, [&](const TileGroup& group) {
     const Raster raster = colors.read(group.window);
     const cv::Mat pixels = to_8bit(raster, *white);

@@ -202,7 +202,7 @@ std::vector<SelfVotes> count_self_votes(const GraySource& source, const TileMatr
   std::vector<SelfVotes> result(tile_indices.size());
   std::vector<VoteSurface> surfaces(static_cast<std::size_t>(thread_count(threads)));
   std::int64_t done = 0;
-  for (const std::vector<std::size_t>& slab : tiles_by_slab(matrix, tile_indices)) {
+  for (const std::vector<std::size_t>& slab : tiles_by_slab(matrix, tile_indices, source.block_width_px)) {
     std::map<std::int64_t, std::vector<std::size_t>> rows;  // of tiles: indices in the result
     std::vector<std::int64_t> indices;
     for (const std::size_t i : slab) {

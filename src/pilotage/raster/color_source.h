@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 #include "pilotage/geo/tile_matrix.h"
@@ -40,6 +41,9 @@ GraySource gray_source_of(const ColorSource& colors);
 struct GrayAndColors {
   GraySource gray;
   ColorSource colors;
+  /// About how many pixels of the grid, the last ones read as gray or as colours, stay in memory for whoever reads them
+  /// next in either way; 0 where each has to be made for itself.
+  std::int64_t kept_px = 0;
 };
 
 }  // namespace pilotage

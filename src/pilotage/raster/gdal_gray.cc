@@ -12,7 +12,6 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
-#include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/gdal_view.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/raster/shared_blocks.h"
@@ -64,24 +63,6 @@ void check_window(const PixelWindow& window, std::int64_t width_px, std::int64_t
                    std::to_string(window.width) + " x " + std::to_string(window.height) +
                    " is not inside the grid of " + std::to_string(width_px) + " x " + std::to_string(height_px) +
                    " pixels");
-}
-
-/// Side of a grid's pixel on the ground at its centre, metres.
-double ground_gsd_m(const TargetGrid& grid) {
-  const GeoTransform& place = grid.map_from_pixel;
-  const double metres = grid.crs.metres_per_unit();
-  if (!std::isnan(metres)) return std::sqrt(std::abs(place.determinant())) * metres;
-  const CrsTransform transform(grid.crs);
-  const Eigen::Vector2d middle(static_cast<double>(grid.width_px) / 2, static_cast<double>(grid.height_px) / 2);
-  const auto at = [&](double col, double row) {
-    return transform.geodetic_from_map(place.map_from_pixel(middle + Eigen::Vector2d(col, row)));
-  };
-  const auto left = at(-0.5, 0);
-  const auto right = at(0.5, 0);
-  const auto up = at(0, -0.5);
-  const auto down = at(0, 0.5);
-  if (!left || !right || !up || !down) throw UsageError("the grid's centre has no longitude and latitude");
-  return std::sqrt(geodesic_between(*left, *right).length_m * geodesic_between(*up, *down).length_m);
 }
 
 void check_grid(const TargetGrid& grid) {
@@ -352,9 +333,9 @@ GrayAndColors open_gray_and_colors_on_grid(const std::vector<std::string>& datas
   const bool alike = std::all_of(mosaic->parts.begin(), mosaic->parts.end(), [&](const MosaicPart& part) {
     return part.info.depth == colors.depth && channels_of(part.info) == colors.channels;
   });
-  if (!alike) return {share_blocks(gray_on_grid(mosaic)), colors};
+  if (!alike) return {share_blocks(gray_on_grid(mosaic)), colors, 0};
   const ColorSource shared = share_blocks(colors, kept_bytes);
-  return {gray_source_of(shared), shared};
+  return {gray_source_of(shared), shared, kept_pixels(colors, kept_bytes)};
 }
 
 Raster read_rgb8_on_grid(const std::vector<std::string>& datasets, const Crs& crs, const GeoTransform& map_from_pixel,

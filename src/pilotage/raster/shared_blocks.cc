@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "pilotage/geo/tile_groups.h"
+
 namespace pilotage {
 namespace {
 
@@ -47,7 +49,9 @@ class Blocks {
     const std::int64_t across = (source.width_px + width_px_ - 1) / width_px_;
     const std::int64_t down = (source.height_px + height_px_ - 1) / height_px_;
     const std::int64_t block_px = width_px_ * height_px_;
-    const std::int64_t three_rows = std::min(3 * across, kMostRowsBytes / bytes_per_px(source) / block_px);
+    const std::int64_t most_of_rows =
+        std::max(kMostRowsBytes / bytes_per_px(source) / block_px, 3 * (kSlabWidth_px / width_px_ + 2));
+    const std::int64_t three_rows = std::min(3 * across, most_of_rows);
     const std::int64_t most = std::max(three_rows, kept_pixels / block_px);
     most_ = static_cast<std::size_t>(most);
     keeps_all_ = across * down <= most;
@@ -184,8 +188,12 @@ GraySource share_blocks(const GraySource& source) {
   return shared_source(source, kKeptPixels);
 }
 
+std::int64_t kept_pixels(const ColorSource& source, std::int64_t kept_bytes) {
+  return kept_bytes / bytes_per_px(source);
+}
+
 ColorSource share_blocks(const ColorSource& source, std::int64_t kept_bytes) {
-  return shared_source(source, kept_bytes / bytes_per_px(source));
+  return shared_source(source, kept_pixels(source, kept_bytes));
 }
 
 }  // namespace pilotage

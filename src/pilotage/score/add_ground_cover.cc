@@ -10,7 +10,7 @@
 
 namespace pilotage {
 
-void add_ground_cover(const ColorSource& colors, double white, const TileMatrix& matrix,
+void add_ground_cover(const ColorSource& colors, std::optional<double>& white, const TileMatrix& matrix,
                       std::span<const std::int64_t> tile_indices, std::span<TileScores> scores, int threads,
                       const Progress& progress) {
   std::vector<TileScores*> scored;
@@ -21,6 +21,7 @@ void add_ground_cover(const ColorSource& colors, double white, const TileMatrix&
     indices.push_back(tile_indices[i]);
   }
   if (indices.empty()) return;
+  if (!white) white = white_of(colors);
   const std::vector<GroundCover> covers = measure_ground_cover(colors, matrix, indices, threads, progress, white);
   for (std::size_t i = 0; i < scored.size(); ++i) {
     scored[i]->vegetation_share = covers[i].vegetation_share;

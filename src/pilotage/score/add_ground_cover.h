@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "pilotage/base/progress.h"
@@ -12,8 +13,9 @@
 namespace pilotage {
 
 /// Fills vegetation_share, water_share and aperture of the scored tiles of `matrix`: scores[i] is of the tile with
-/// index tile_indices[i]. `white` is white_of() the colours. Throws as measure_ground_cover.
-void add_ground_cover(const ColorSource& colors, double white, const TileMatrix& matrix,
+/// index tile_indices[i]. `white` is white_of() the colours, measured with the first tile
+/// that needs it. Throws as measure_ground_cover.
+void add_ground_cover(const ColorSource& colors, std::optional<double>& white, const TileMatrix& matrix,
                       std::span<const std::int64_t> tile_indices, std::span<TileScores> scores, int threads,
                       const Progress& progress);
 

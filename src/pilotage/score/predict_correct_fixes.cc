@@ -32,7 +32,7 @@ MatchabilityModel model_for(const ScoreOptions& options) {
 
 void predict_correct_fixes(const GraySource& shown, const TileMatrix& matrix, const ScoreOptions& options,
                            const MatchabilityModel& model, std::span<const std::int64_t> tile_indices,
-                           std::vector<TileScores>& scores, std::optional<double>& usual_contrast, int threads,
+                           std::vector<TileScores>& scores, double usual_contrast, int threads,
                            const Progress& progress) {
   std::vector<TileScores*> scored;
   std::vector<std::int64_t> indices;
@@ -43,17 +43,12 @@ void predict_correct_fixes(const GraySource& shown, const TileMatrix& matrix, co
     scored.push_back(&score);
     indices.push_back(tile_indices[i]);
   }
-  if (scored.empty()) return;
-  if (!usual_contrast) {
-    usual_contrast = options.usual_fine_contrast ? *options.usual_fine_contrast
-                                                 : usual_fine_contrast(shown, matrix.tile_size_px, threads, progress);
-  }
   const std::vector<double> contrasts = measure_fine_contrast(shown, matrix, indices, threads, progress);
   const auto votes = count_self_votes(shown, matrix, indices, options.features, threads, progress);
   for (std::size_t i = 0; i < scored.size(); ++i) {
     scored[i]->map_features = static_cast<double>(votes[i].features);
     scored[i]->vote_noise = votes[i].noise;
-    scored[i]->fine_contrast = contrasts[i] / *usual_contrast;
+    scored[i]->fine_contrast = contrasts[i] / usual_contrast;
     const MatchabilityInputs inputs = matchability_inputs(*scored[i]);
     const FixPrediction fix = predict_correct_fix(model, options.matcher, inputs, scored[i]->map_features);
     scored[i]->p_correct_fix = fix.p;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,12 +20,12 @@ MatchabilityModel model_for(const ScoreOptions& options);
 
 /// Fills map_features, vote_noise, fine_contrast, p_correct_fix, level_sigma, level_tiles and level_age_months of
 /// scored tiles of `matrix`, whose statistics are there: scores[i] is of the tile with index tile_indices[i]. Flat
-/// tiles have P = 0; those with too little ground have none. `shown` is the map in 8 bits (stretch_to_8bit);
-/// `usual_contrast` is its usual_fine_contrast for these tiles where the options do not say it, and is measured where
-/// it is not known yet and a tile needs it. Throws as count_self_votes.
+/// tiles have P = 0; those with too little ground have none. `shown` is the map in 8 bits (stretch_to_8bit),
+/// `usual_contrast` the fine contrast that ground has there (usual_fine_contrast for windows of a tile's size). Throws
+/// as count_self_votes.
 void predict_correct_fixes(const GraySource& shown, const TileMatrix& matrix, const ScoreOptions& options,
                            const MatchabilityModel& model, std::span<const std::int64_t> tile_indices,
-                           std::vector<TileScores>& scores, std::optional<double>& usual_contrast, int threads,
+                           std::vector<TileScores>& scores, double usual_contrast, int threads,
                            const Progress& progress);
 
 /// The options for a ground of one level with what its P is held against (ScoreOptions::usual_fine_contrast) measured

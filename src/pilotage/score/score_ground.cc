@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
-
-#include <opencv2/core.hpp>
 
 #include "pilotage/base/parallel.h"
 #include "pilotage/geo/tile_groups.h"
 #include "pilotage/ground/imagery_months.h"
-#include "pilotage/matchability/ground_cover.h"
 #include "pilotage/matchability/reasons.h"
+#include "pilotage/matchability/self_votes.h"
 #include "pilotage/score/add_ground_cover.h"
 #include "pilotage/score/tile_scoring.h"
 
@@ -27,26 +27,75 @@ struct ByLevel {
   bool operator()(int level, const GroundTile& tile) const { return level < tile.level; }
 };
 
-/// The parts of a level that all measures go over before the next one is begun: what the first of them has warped, the
-/// others find in memory. One part where all of the level stays there, or where each measure decodes for itself.
-std::vector<std::vector<std::size_t>> parts_of_level(const Ground& ground, const TileScoring& scoring,
-                                                     const ColorSource& colors, std::span<const std::int64_t> indices) {
-  constexpr std::int64_t kPartHeight_px = 4096;
-  const auto bytes_per_px = static_cast<std::int64_t>(CV_ELEM_SIZE(CV_MAKETYPE(colors.depth, colors.channels)) + 1);
-  const std::int64_t kept_px = kImageryBytes / std::ssize(ground.levels) / bytes_per_px;
-  const TileMatrix& matrix = scoring.matrix;
-  const bool stays = matrix.grid_width_px * matrix.grid_height_px <= kept_px;
-  if (stays || ground.imagery.own_grid)
-    return tiles_by_rectangle(matrix, indices, matrix.grid_width_px, matrix.grid_height_px);
-  const auto whole_blocks = [&](std::int64_t wanted_px, std::int64_t tiles) {
-    const std::int64_t block_px = tiles * matrix.stride_px;
-    return std::max<std::int64_t>(1, wanted_px / block_px) * block_px;
-  };
-  const BlockSize block = block_size(scoring);
-  const std::int64_t height_px = whole_blocks(kPartHeight_px, block.rows);
-  const std::int64_t part_px = kept_px / 2;  // the rest for what lies around it
-  return tiles_by_rectangle(matrix, indices, whole_blocks(part_px / height_px, block.columns), height_px);
+/// How many measures go over the tiles one after the other.
+int count_passes(const ScoreOptions& options) {
+  const bool model = options.measure(ScoreMeasure::kCorrectFix);  // statistics, fine contrast, votes
+  const bool of_gray = options.measures_surface() || options.measure(ScoreMeasure::kGrayVariance) ||
+                       options.measure(ScoreMeasure::kFriedenEntropy);
+  return (model ? 3 : of_gray ? 1 : 0) + (options.measure(ScoreMeasure::kGroundCover) ? 1 : 0);
 }
+
+/// The parts of a level (places in `indices`) that all measures go over before the next one is begun: what the first of
+/// them has warped, the others find in memory. Whole blocks of tiles, and as large as will stay with what lies around
+/// them. One part where all of the level stays, where nothing would, and for one measure.
+std::vector<std::vector<std::size_t>> parts_of_level(const TileScoring& scoring, std::int64_t kept_px,
+                                                     std::span<const std::int64_t> indices) {
+  constexpr int kUnit_px = 512;  // what is kept begins and ends at borders of blocks of about this size
+  const TileMatrix& matrix = scoring.matrix;
+  const BlockSize block = block_size(scoring);
+  const std::int64_t block_width_px = block.columns * matrix.stride_px;
+  const std::int64_t block_height_px = block.rows * matrix.stride_px;
+  const int reach_px = std::max({scoring.radius_px, scoring.margin_px, kVoteReach_px});
+  const std::int64_t around_px = matrix.tile_size_px + 2 * reach_px + 2 * kUnit_px;
+  // As wide as high, where blocks are not wider than that.
+  const auto side_px = static_cast<std::int64_t>(std::sqrt(static_cast<double>(kept_px))) - around_px;
+  const std::int64_t width_px = std::max<std::int64_t>(1, side_px / block_width_px) * block_width_px;
+  const std::int64_t room_px = kept_px / (width_px + around_px) - around_px;
+  const std::int64_t height_px = room_px / block_height_px * block_height_px;
+  const bool all_stays = matrix.grid_width_px * matrix.grid_height_px <= kept_px;
+  if (all_stays || height_px <= 0 || count_passes(scoring.options) < 2) {
+    std::vector<std::size_t> all(indices.size());
+    std::iota(all.begin(), all.end(), 0U);
+    return {all};
+  }
+  return tiles_by_rectangle(matrix, indices, width_px, height_px);
+}
+
+/// Progress of a level in tiles, whatever a measure counts and in however many parts: each measure of a part is its
+/// share of these tiles, so that the count only grows. One part is told as its measures tell it.
+class LevelProgress {
+ public:
+  LevelProgress(const Progress& progress, std::size_t tiles, int passes)
+      : progress_(progress), tiles_(static_cast<double>(tiles)), passes_(passes) {}
+
+  void begin_part(std::size_t tiles) {
+    done_ += part_;
+    part_ = static_cast<double>(tiles);
+    pass_ = -1;
+    what_.clear();
+  }
+
+  bool tell(std::string_view what, std::int64_t done, std::int64_t total) {
+    if (!progress_) return true;
+    if (part_ == tiles_) return progress_(what, done, total);
+    if (what != what_) {
+      what_ = what;
+      ++pass_;
+    }
+    const double share = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 0;
+    const double of_part = std::min(1.0, (pass_ + share) / passes_);
+    return progress_(what, std::llround(done_ + of_part * part_), std::llround(tiles_));
+  }
+
+ private:
+  const Progress& progress_;
+  double tiles_;
+  int passes_;
+  double done_ = 0;  // tiles of the parts before
+  double part_ = 0;
+  int pass_ = -1;
+  std::string what_;
+};
 
 /// Scores the tiles of one level.
 std::vector<TileScores> score_level(const Ground& ground, const GridLevel& level, const GrayAndColors& imagery,
@@ -55,24 +104,21 @@ std::vector<TileScores> score_level(const Ground& ground, const GridLevel& level
   std::vector<std::int64_t> indices;
   for (const GroundTile& tile : tiles) indices.push_back(level.matrix.index_of(tile.column, tile.row));
   const bool cover = options.measure(ScoreMeasure::kGroundCover);
-  const double white = cover ? white_of(imagery.colors) : 0;
-  TileScoring scoring =
+  const TileScoring scoring =
       begin_scoring(imagery.gray, level.matrix, level.search_radius_px, options, seed, threads, progress);
+  std::optional<double> white;
   std::vector<TileScores> scores(indices.size());
-  std::int64_t done = 0;
-  for (const std::vector<std::size_t>& part : parts_of_level(ground, scoring, imagery.colors, indices)) {
+  LevelProgress level_progress(progress, indices.size(), count_passes(options));
+  const Progress tell = [&](std::string_view what, std::int64_t done, std::int64_t total) {
+    return level_progress.tell(what, done, total);
+  };
+  for (const std::vector<std::size_t>& part : parts_of_level(scoring, imagery.kept_px, indices)) {
     std::vector<std::int64_t> part_indices;
     for (const std::size_t place : part) part_indices.push_back(indices[place]);
-    // Counted in tiles of the level, whatever a measure counts.
-    const Progress of_level = [&](std::string_view what, std::int64_t part_done, std::int64_t part_total) {
-      if (!progress || part.size() == indices.size()) return !progress || progress(what, part_done, part_total);
-      const double share = part_total > 0 ? static_cast<double>(part_done) / static_cast<double>(part_total) : 0;
-      return progress(what, done + std::llround(share * static_cast<double>(part.size())), std::ssize(indices));
-    };
-    std::vector<TileScores> of_part = score_tiles(scoring, part_indices, of_level);
-    if (cover) add_ground_cover(imagery.colors, white, level.matrix, part_indices, of_part, threads, of_level);
+    level_progress.begin_part(part.size());
+    std::vector<TileScores> of_part = score_tiles(scoring, part_indices, tell);
+    if (cover) add_ground_cover(imagery.colors, white, level.matrix, part_indices, of_part, threads, tell);
     for (std::size_t i = 0; i < part.size(); ++i) scores[part[i]] = std::move(of_part[i]);
-    done += std::ssize(part);
   }
   if (cover) add_relief(ground, tiles, scores);
   return scores;

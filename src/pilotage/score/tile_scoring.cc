@@ -9,13 +9,16 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/correlation/correlation_peaks.h"
+#include "pilotage/matchability/fine_contrast.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/score/map_strip.h"
 #include "pilotage/score/predict_correct_fixes.h"
@@ -31,6 +34,15 @@ constexpr std::int64_t kMostColumns = 64;
 /// Pixels of a strip: the map is held in memory in blocks of about this size (twice: one is read while one is worked
 /// on).
 constexpr std::int64_t kStripPixels = 8 << 20;
+
+/// The scoring of the tiles of one call.
+struct TilesInWork : TileScoring {
+  std::span<const std::int64_t> indices;  // ascending
+
+  std::size_t place_of(std::int64_t index) const {
+    return static_cast<std::size_t>(std::lower_bound(indices.begin(), indices.end(), index) - indices.begin());
+  }
+};
 
 /// Tiles of a few columns and a few rows: what is worked on with one strip in memory.
 struct TileBlock {
@@ -62,21 +74,6 @@ void check_map(const GraySource& source, const TileMatrix& matrix, int search_ra
   }
 }
 
-void check_indices(const TileMatrix& matrix, std::span<const std::int64_t> tile_indices) {
-  std::int64_t before = -1;
-  for (const std::int64_t index : tile_indices) {
-    if (index < 0 || index >= matrix.tile_count()) {
-      throw UsageError("tile index " + std::to_string(index) + " is outside [0, " +
-                       std::to_string(matrix.tile_count() - 1) + "]");
-    }
-    if (index <= before) {
-      throw UsageError("tile index " + std::to_string(index) + " follows " + std::to_string(before) +
-                       ": indices must ascend, without duplicates");
-    }
-    before = index;
-  }
-}
-
 std::int64_t columns_per_block(const TileScoring& scoring) {
   std::size_t bytes = 1;
   if (scoring.clean()) bytes += CleanSurfaces::bytes_per_column(scoring.matrix, scoring.radius_px, scoring.lag_step);
@@ -90,7 +87,7 @@ int halo_px(const TileScoring& scoring) {
 
 /// The blocks that hold a tile that is asked for: down one group of columns, then the next. Their borders do not depend
 /// on which tiles are asked for.
-std::vector<TileBlock> make_blocks(const TileScoring& scoring) {
+std::vector<TileBlock> make_blocks(const TilesInWork& scoring) {
   const TileMatrix& matrix = scoring.matrix;
   const auto [columns, rows] = block_size(scoring);
   const int halo = halo_px(scoring);
@@ -115,7 +112,7 @@ std::vector<TileBlock> make_blocks(const TileScoring& scoring) {
 }
 
 /// V and H of a block's tiles, and their status.
-void score_block_statistics(const TileScoring& scoring, const TileBlock& block, const MapStrip& strip,
+void score_block_statistics(const TilesInWork& scoring, const TileBlock& block, const MapStrip& strip,
                             std::vector<TileScores>& scores) {
   std::vector<MeasuredTile> tiles;
   for (const auto& [row, columns] : block.columns_of_row) {
@@ -236,7 +233,7 @@ std::vector<std::unique_ptr<ColumnGroup>> make_groups(const TileScoring& scoring
 
 /// Surfaces of the tiles of one row that belong to a group, but for those that need masks. Ends early when `go_on`,
 /// asked before each tile, says so.
-void score_row(const TileScoring& scoring, const MapStrip& strip, std::int64_t row, std::span<const std::int64_t> asked,
+void score_row(const TilesInWork& scoring, const MapStrip& strip, std::int64_t row, std::span<const std::int64_t> asked,
                const std::function<bool()>& go_on, ColumnGroup& group, std::vector<TileScores>& scores) {
   std::vector<std::int64_t> whole;  // search area all ground
   for (const std::int64_t column : asked) {
@@ -267,7 +264,7 @@ void score_row(const TileScoring& scoring, const MapStrip& strip, std::int64_t r
 }
 
 /// Surfaces of the tiles of a block; `advance(n)` says that n more are done and returns false to stop.
-void score_surfaces(const TileScoring& scoring, const TileBlock& block, const MapStrip& strip,
+void score_surfaces(const TilesInWork& scoring, const TileBlock& block, const MapStrip& strip,
                     std::span<const std::unique_ptr<ColumnGroup>> groups,
                     const std::function<bool(std::int64_t)>& advance, std::vector<TileScores>& scores) {
   std::atomic<bool> stopped{false};
@@ -305,7 +302,7 @@ void load(const TileScoring& scoring, const TileBlock& block, const MapStrip* pr
 }
 
 /// Statistics and surfaces of all tiles, block by block; the next block is read while one is worked on.
-void score_blocks(const TileScoring& scoring, const Progress& progress, std::vector<TileScores>& scores) {
+void score_blocks(const TilesInWork& scoring, const Progress& progress, std::vector<TileScores>& scores) {
   const std::vector<TileBlock> blocks = make_blocks(scoring);
   std::vector<std::unique_ptr<ColumnGroup>> groups;
   std::mutex progress_mutex;
@@ -346,8 +343,19 @@ bool TileScoring::degraded() const {
   return options.measure(ScoreMeasure::kDegraded);
 }
 
-std::size_t TileScoring::place_of(std::int64_t index) const {
-  return static_cast<std::size_t>(std::lower_bound(indices.begin(), indices.end(), index) - indices.begin());
+void check_indices(const TileMatrix& matrix, std::span<const std::int64_t> tile_indices) {
+  std::int64_t before = -1;
+  for (const std::int64_t index : tile_indices) {
+    if (index < 0 || index >= matrix.tile_count()) {
+      throw UsageError("tile index " + std::to_string(index) + " is outside [0, " +
+                       std::to_string(matrix.tile_count() - 1) + "]");
+    }
+    if (index <= before) {
+      throw UsageError("tile index " + std::to_string(index) + " follows " + std::to_string(before) +
+                       ": indices must ascend, without duplicates");
+    }
+    before = index;
+  }
 }
 
 BlockSize block_size(const TileScoring& scoring) {
@@ -382,17 +390,21 @@ TileScoring begin_scoring(const GraySource& source, const TileMatrix& matrix, in
     scoring.lag_step =
         options.every_lag || !scoring.clean() ? 1 : choose_lag_step(sample, matrix.tile_size_px, scoring.radius_px);
   }
+  if (scoring.model) {
+    scoring.usual_contrast = options.usual_fine_contrast
+                                 ? *options.usual_fine_contrast
+                                 : usual_fine_contrast(scoring.shown, matrix.tile_size_px, scoring.threads, progress);
+  }
   return scoring;
 }
 
-std::vector<TileScores> score_tiles(TileScoring& scoring, std::span<const std::int64_t> tile_indices,
+std::vector<TileScores> score_tiles(const TileScoring& scoring, std::span<const std::int64_t> tile_indices,
                                     const Progress& progress) {
   check_indices(scoring.matrix, tile_indices);
-  scoring.indices = tile_indices;
   std::vector<TileScores> scores(tile_indices.size());
   if (scores.empty()) return scores;
   if (scoring.options.measures_surface()) {
-    score_blocks(scoring, progress, scores);
+    score_blocks({scoring, tile_indices}, progress, scores);
   } else {
     std::vector<MeasuredTile> tiles;
     for (std::size_t i = 0; i < scores.size(); ++i)

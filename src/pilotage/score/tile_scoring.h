@@ -28,16 +28,14 @@ struct TileScoring {
   std::vector<Degrader> copies{};
   std::optional<MatchabilityModel> model{};  ///< When P is asked for.
   GraySource shown{};                        ///< The map in 8 bits, with a model.
-  std::optional<double> usual_contrast{};    ///< What P is held against, once a tile has needed it.
-  std::span<const std::int64_t> indices{};   ///< Of the tiles of the call, ascending.
+  double usual_contrast = 0;                 ///< What fine contrast is held against, with a model.
 
   bool clean() const;
   bool degraded() const;
-  std::size_t place_of(std::int64_t index) const;
 };
 
-/// Tiles whose pixels are read and transformed together, counted from the first tile of the map: calls that ask for
-/// whole blocks do not do so twice. 1 by 1 when no surface is asked for.
+/// Tiles whose pixels are read and transformed together, counted from the first tile of the map: a call for a part of a
+/// block does so for all of it. 1 by 1 when no surface is asked for.
 struct BlockSize {
   std::int64_t columns = 1;
   std::int64_t rows = 1;
@@ -49,7 +47,10 @@ TileScoring begin_scoring(const GraySource& source, const TileMatrix& matrix, in
                           const ScoreOptions& options, std::uint64_t seed, int threads, const Progress& progress);
 
 /// Scores some tiles of the map, as the other score_tiles does.
-std::vector<TileScores> score_tiles(TileScoring& scoring, std::span<const std::int64_t> tile_indices,
+std::vector<TileScores> score_tiles(const TileScoring& scoring, std::span<const std::int64_t> tile_indices,
                                     const Progress& progress);
+
+/// Throws UsageError when an index is not one of the matrix, or does not follow the one before it.
+void check_indices(const TileMatrix& matrix, std::span<const std::int64_t> tile_indices);
 
 }  // namespace pilotage

@@ -48,10 +48,6 @@ struct ColumnRange {
   }
 };
 
-bool in_strips(const GraySource& source) {
-  return source.block_width_px >= source.width_px;
-}
-
 /// What is read of a source at a time: whole blocks of its file, as many columns of them as tiles touch.
 struct ReadUnits {
   std::int64_t width_px = 0;
@@ -64,7 +60,7 @@ struct ReadUnits {
   std::int64_t end_col_px = 0;
 
   ReadUnits(const GraySource& source, const TileMatrix& matrix, std::span<const MeasuredTile> tiles)
-      : width_px(in_strips(source) ? source.width_px : side(source.block_width_px)),
+      : width_px(source.block_width_px >= source.width_px ? source.width_px : side(source.block_width_px)),
         height_px(side(source.block_height_px)) {
     for (const MeasuredTile& tile : tiles) columns.extend(tile.cell.column);
     const auto last_unit_of = [&](const PixelWindow& window) { return (window.col + window.width - 1) / width_px; };
@@ -195,17 +191,10 @@ void stream_statistics(const GraySource& source, const TileMatrix& matrix, const
                        std::span<const MeasuredTile> tiles, int threads, const Progress& progress) {
   std::vector<std::int64_t> indices;
   for (const MeasuredTile& tile : tiles) indices.push_back(matrix.index_of(tile.cell.column, tile.cell.row));
-  std::vector<std::vector<MeasuredTile>> slabs;
-  if (in_strips(source)) {  // a slab would decode all the others
-    slabs.emplace_back(tiles.begin(), tiles.end());
-  } else {
-    for (const std::vector<std::size_t>& places : tiles_by_slab(matrix, indices)) {
-      std::vector<MeasuredTile>& slab = slabs.emplace_back();
-      for (const std::size_t place : places) slab.push_back(tiles[place]);
-    }
-  }
   std::int64_t done = 0;
-  for (const std::vector<MeasuredTile>& slab : slabs) {
+  for (const std::vector<std::size_t>& places : tiles_by_slab(matrix, indices, source.block_width_px)) {
+    std::vector<MeasuredTile> slab;
+    for (const std::size_t place : places) slab.push_back(tiles[place]);
     stream_columns(source, matrix, options, slab, threads, [&](std::int64_t of_slab) {
       report_progress(progress, "score", done + of_slab, std::ssize(tiles));
     });

@@ -33,7 +33,7 @@ void score_statistics(const GrayWindow& map, const TileMatrix& matrix, const Sco
                       std::span<const MeasuredTile> tiles, int threads);
 
 /// The same of tiles anywhere on the map, whose pixel grid is that of `source`: rows of tiles stream from the top to
-/// the bottom, slab by slab (tiles_by_slab; all columns at once where blocks are as wide as the map), and each block of
+/// the bottom, slab by slab (tiles_by_slab), and each block of
 /// the source that a tile of a slab touches is read once. `tiles` ascend by row, then column. Memory: some 8 million
 /// pixels and their sums, more only where a tile's height of a slab is more. Throws what reading throws; Interrupted.
 void stream_statistics(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,

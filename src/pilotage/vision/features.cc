@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 #include <string>
 
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/geo/tile_groups.h"
 #include "pilotage/vision/feature_descriptor.h"
 #include "pilotage/vision/feature_detector.h"
 #include "pilotage/vision/feature_octave.h"
@@ -211,10 +213,16 @@ FeatureSet extract_features_of_map(const GraySource& source, const std::vector<P
   if (source.depth != CV_8U) throw UsageError("features need a gray source of 8 bits");
   const std::vector<PixelWindow> wanted = cut_windows(source, windows);
   const std::vector<MapBlock> blocks = touched_blocks(wanted);
+  // Down one slab, then the next, so that rows of blocks that share their margins are read soon after each other.
+  std::vector<std::size_t> order(blocks.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto slab_of = [&](std::size_t index) { return blocks[index].col * kFeatureBlockPx / kSlabWidth_px; };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return slab_of(a) < slab_of(b); });
   std::vector<FeatureSet> sets(blocks.size());
   std::mutex mutex;
   std::int64_t done = 0;
-  parallel_for(blocks.size(), threads, [&](std::size_t index, int) {
+  parallel_for(blocks.size(), threads, [&](std::size_t place, int) {
+    const std::size_t index = order[place];
     const FeatureSet set = extract_from_block(read_block(source, blocks[index], options), options);
     sets[index] = inside_windows(set, blocks[index], wanted);
     const std::lock_guard lock(mutex);
