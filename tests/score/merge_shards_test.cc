@@ -1,9 +1,10 @@
 #include "pilotage/score/merge_shards.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 
-#include "testing/float_ground.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +12,9 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/random.h"
 #include "pilotage/ground/tile_table.h"
+#include "pilotage/raster/gdal_write.h"
 #include "pilotage/score/describe_run.h"
 #include "pilotage/score/score_shard.h"
 
@@ -22,6 +25,24 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 using ::testing::ThrowsMessage;
+
+/// Ground of floats with a hole in it, as a GeoTIFF. Floats: the result then depends on samples of the whole raster,
+/// which every shard must take alike.
+std::string write_ground(const TemporaryFolder& folder, int rows, int cols) {
+  Random random(seed_from_name("merge"));
+  cv::Mat values(rows, cols, CV_32F);
+  for (int row = 0; row < rows; ++row) {
+    for (int col = 0; col < cols; ++col) {
+      values.at<float>(row, col) = static_cast<float>(
+          500 + 80 * std::sin(0.07 * row) * std::cos(0.05 * col + 0.02 * row) + 30 * random.normal());
+    }
+  }
+  values(cv::Rect(cols / 2, rows / 3, cols / 4, rows / 2)).setTo(std::numeric_limits<float>::quiet_NaN());
+  const std::string file = folder.path() / "ground.tif";
+  write_score_raster(file, {{"gray", "", values}}, Crs::from_user_input("EPSG:32633"),
+                     GeoTransform::north_up(500000, 5000000, 0.5), false);
+  return file;
+}
 
 ScoreRunOptions options_of_test() {
   ScoreRunOptions options;
@@ -49,7 +70,7 @@ std::string write_shard(const TemporaryFolder& folder, const ScoreRun& run, cons
 TEST(MergeShards, GivesTheTableOfTheWholeRun) {
   const TemporaryFolder folder;
   // 96 columns of tiles: both groups of columns, and shards that end inside a row.
-  const std::string ground = testing::write_float_ground(folder, 80, 430);
+  const std::string ground = write_ground(folder, 80, 430);
   const ScoreRun run = open_score_run({ground}, options_of_test(), 7);
   const Ground all = whole_ground(run);
   const std::string whole = tile_table_to_csv(all, score_ground(all, run.options.score, run.seed).scores);
@@ -78,7 +99,7 @@ TEST(MergeShards, RefusesAShardWithOtherTiles) {
   const TemporaryFolder folder;
   ScoreRunOptions options = options_of_test();
   options.score.measures = {ScoreMeasure::kGrayVariance};
-  const ScoreRun run = open_score_run({testing::write_float_ground(folder, 60, 80)}, options, 7);
+  const ScoreRun run = open_score_run({write_ground(folder, 60, 80)}, options, 7);
   const std::string file = write_shard(folder, run, {1, 2}, 1);
   ScoreShard shard = read_score_shard(file);
   shard.rows.back().tile.tile_id += 1;
@@ -91,7 +112,7 @@ TEST(MergeShards, RefusesAShardWithOtherTiles) {
 
 TEST(DescribeRun, SeesWhatTheResultDependsOn) {
   const TemporaryFolder folder;
-  const std::string file = testing::write_float_ground(folder, 60, 80);
+  const std::string file = write_ground(folder, 60, 80);
   const ScoreRunOptions options = options_of_test();
   const auto described = [&](std::uint64_t seed, const ScoreRunOptions& with) {
     return describe_run(open_score_run({file}, with, seed), "test 1");
@@ -112,7 +133,7 @@ TEST(DescribeRun, SeesWhatTheResultDependsOn) {
 
 TEST(DescribeRun, CanBeOpenedAgain) {
   const TemporaryFolder folder;
-  const ScoreRun run = open_score_run({testing::write_float_ground(folder, 60, 80)}, options_of_test(), 7);
+  const ScoreRun run = open_score_run({write_ground(folder, 60, 80)}, options_of_test(), 7);
   const nlohmann::ordered_json description = describe_run(run, "test 1");
   const ScoreRun again = open_described_run("test", description);
   EXPECT_EQ(describe_run(again, "test 1"), description);

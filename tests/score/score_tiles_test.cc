@@ -388,6 +388,12 @@ TEST(ScoreTiles, ErrorsNameThingAndValue) {
   TileMatrix other = matrix_of(source, options_of(32, 8, 8));
   other.grid_width_px = 51;
   EXPECT_THROW(score_tiles(source, other, 8, all_tiles(other), options_of(32, 8, 8)), DataError);
+  const std::vector<std::int64_t> first{0};
+  TileMatrix no_stride = testing::matrix_over(source, 32, 8);
+  no_stride.stride_px = 0;
+  EXPECT_THROW(score_tiles(source, no_stride, 8, first, options_of(32, 8, 8)), UsageError);
+  const TileMatrix too_large = testing::matrix_over(source, 4096, 8);
+  EXPECT_THROW(score_tiles(source, too_large, 8, first, options_of(32, 8, 8)), DataError);
 }
 
 TEST(ScoreTiles, ReadErrorsComeThrough) {

@@ -23,13 +23,14 @@ std::vector<std::vector<std::size_t>> tiles_by_rectangle(const TileMatrix& matri
   return list;
 }
 
-std::int64_t slab_width_px(const TileMatrix& matrix, int block_width_px) {
-  return block_width_px >= matrix.grid_width_px ? matrix.grid_width_px : kSlabWidth_px;
+std::int64_t slab_width_px(std::int64_t map_width_px, int block_width_px) {
+  return block_width_px >= map_width_px ? map_width_px : kSlabWidth_px;
 }
 
 std::vector<std::vector<std::size_t>> tiles_by_slab(const TileMatrix& matrix, std::span<const std::int64_t> indices,
                                                     int block_width_px) {
-  return tiles_by_rectangle(matrix, indices, slab_width_px(matrix, block_width_px), matrix.grid_height_px);
+  return tiles_by_rectangle(matrix, indices, slab_width_px(matrix.grid_width_px, block_width_px),
+                            matrix.grid_height_px);
 }
 
 std::vector<TileGroup> group_tiles(const TileMatrix& matrix, std::span<const std::int64_t> indices, int halo_px,
@@ -37,7 +38,8 @@ std::vector<TileGroup> group_tiles(const TileMatrix& matrix, std::span<const std
   constexpr int kGroupSide_px = 1024;
   const std::int64_t across = std::max(1, (kGroupSide_px - matrix.tile_size_px) / matrix.stride_px + 1);
   const std::int64_t group_px = across * matrix.stride_px;
-  const std::int64_t slab = (slab_width_px(matrix, block_width_px) + group_px - 1) / group_px;  // in groups
+  const std::int64_t slab =
+      (slab_width_px(matrix.grid_width_px, block_width_px) + group_px - 1) / group_px;  // in groups
   std::map<std::array<std::int64_t, 3>, TileGroup> groups;
   for (std::size_t result_index = 0; result_index < indices.size(); ++result_index) {
     const auto [column, row] = matrix.cell_of(indices[result_index]);

@@ -18,7 +18,7 @@ inline constexpr std::int64_t kSlabWidth_px = 1 << 15;
 
 /// The same for a source whose blocks have this width (GraySource::block_width_px): the whole map where blocks are as
 /// wide, for each slab would decode all the others.
-std::int64_t slab_width_px(const TileMatrix& matrix, int block_width_px);
+std::int64_t slab_width_px(std::int64_t map_width_px, int block_width_px);
 
 /// Which of the given indices (row · matrix_width + column) begin in which rectangle of the map, cut every `width_px`
 /// and `height_px` from its corner: places in `indices`, ascending, for each rectangle that has tiles, down one column

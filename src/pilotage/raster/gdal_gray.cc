@@ -12,6 +12,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/gdal_view.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/raster/shared_blocks.h"
@@ -63,6 +64,24 @@ void check_window(const PixelWindow& window, std::int64_t width_px, std::int64_t
                    std::to_string(window.width) + " x " + std::to_string(window.height) +
                    " is not inside the grid of " + std::to_string(width_px) + " x " + std::to_string(height_px) +
                    " pixels");
+}
+
+/// Side of a grid's pixel on the ground at its centre, metres.
+double ground_gsd_m(const TargetGrid& grid) {
+  const GeoTransform& place = grid.map_from_pixel;
+  const double metres = grid.crs.metres_per_unit();
+  if (!std::isnan(metres)) return std::sqrt(std::abs(place.determinant())) * metres;
+  const CrsTransform transform(grid.crs);
+  const Eigen::Vector2d middle(static_cast<double>(grid.width_px) / 2, static_cast<double>(grid.height_px) / 2);
+  const auto at = [&](double col, double row) {
+    return transform.geodetic_from_map(place.map_from_pixel(middle + Eigen::Vector2d(col, row)));
+  };
+  const auto left = at(-0.5, 0);
+  const auto right = at(0.5, 0);
+  const auto up = at(0, -0.5);
+  const auto down = at(0, 0.5);
+  if (!left || !right || !up || !down) throw UsageError("the grid's centre has no longitude and latitude");
+  return std::sqrt(geodesic_between(*left, *right).length_m * geodesic_between(*up, *down).length_m);
 }
 
 void check_grid(const TargetGrid& grid) {
@@ -312,9 +331,12 @@ ColorSource open_colors(const std::string& dataset, const ImageryOptions& option
           info.crs,
           channels,
           info.depth,
-          windows_on_own_pixels(info, options, [channels](const RasterView& view, const PixelWindow& window) {
-            return read_colors(view, window, channels);
-          })};
+          windows_on_own_pixels(info, options,
+                                [channels](const RasterView& view, const PixelWindow& window) {
+                                  return read_colors(view, window, channels);
+                                }),
+          info.block_width_px,
+          info.block_height_px};
 }
 
 ColorSource open_colors_on_grid(const std::vector<std::string>& datasets, const Crs& crs,

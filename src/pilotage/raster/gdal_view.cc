@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,8 +14,8 @@
 #include <gdal_vrt.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
-#include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/gdal_collar.h"
 #include "pilotage/raster/gdal_control_points.h"
 
@@ -73,13 +74,26 @@ std::vector<std::string> grid_arguments(const TargetGrid& grid) {
           "0.05"};
 }
 
-/// Interpolating kernels are GDAL's own width up to this many of the imagery's pixels in a grid pixel. GDAL measures
+/// Interpolating kernels keep their own width up to this many of the imagery's pixels in a grid pixel. GDAL measures
 /// the ratio block by block and widens them where it finds more than 1/0.95, which costs two and a half times the time
 /// and makes blocks on either side of that ratio differ; docs/methods/imagery.md.
 constexpr double kNotWidenedUpTo = 1.1;
 
-bool keeps_width(const ImageryInfo& info, double grid_gsd_m, Resampling resampling) {
-  return resampling != Resampling::kAverage && grid_gsd_m <= kNotWidenedUpTo * std::min(info.gsd_x_m, info.gsd_y_m);
+/// How many of the imagery's pixels the middle pixel of the grid is wide or high, whichever is more; NaN where it has
+/// no place in the imagery's CRS.
+double imagery_pixels_per_grid_pixel(const ImageryInfo& info, const TargetGrid& grid) {
+  const CrsTransform from_grid(grid.crs);
+  const CrsTransform to_imagery(info.crs);
+  const Eigen::Vector2d middle(static_cast<double>(grid.width_px) / 2, static_cast<double>(grid.height_px) / 2);
+  const auto at = [&](double col, double row) -> Eigen::Vector2d {
+    const auto point =
+        from_grid.geodetic_from_map(grid.map_from_pixel.map_from_pixel(middle + Eigen::Vector2d(col, row)));
+    const auto map = point ? to_imagery.map_from_geodetic(*point) : std::nullopt;
+    return map ? info.map_from_pixel.pixel_from_map(*map) : Eigen::Vector2d::Constant(kNaN);
+  };
+  const double width = (at(0.5, 0) - at(-0.5, 0)).norm();
+  const double height = (at(0, 0.5) - at(0, -0.5)).norm();
+  return std::isnan(width) ? width : std::max(height, width);
 }
 
 std::vector<std::string> warp_arguments(const ImageryInfo& info, const TargetGrid& grid, Resampling resampling) {
@@ -89,30 +103,14 @@ std::vector<std::string> warp_arguments(const ImageryInfo& info, const TargetGri
   // The same rule as RasterView::read_valid: YES = all bands hold the no-data value, PARTIAL = any does.
   const char* const no_data = info.depth == CV_8U ? "UNIFIED_SRC_NODATA=YES" : "UNIFIED_SRC_NODATA=PARTIAL";
   arguments.insert(arguments.end(), {"-dstalpha", "-ovr", overviews, "-r", utility_name(resampling), "-wo", no_data});
-  if (keeps_width(info, ground_gsd_m(grid), resampling)) {
+  const bool interpolates = resampling == Resampling::kCubic || resampling == Resampling::kBilinear;
+  if (interpolates && imagery_pixels_per_grid_pixel(info, grid) <= kNotWidenedUpTo) {
     arguments.insert(arguments.end(), {"-wo", "XSCALE=1", "-wo", "YSCALE=1"});
   }
   return arguments;
 }
 
 }  // namespace
-
-double ground_gsd_m(const TargetGrid& grid) {
-  const GeoTransform& place = grid.map_from_pixel;
-  const double metres = grid.crs.metres_per_unit();
-  if (!std::isnan(metres)) return std::sqrt(std::abs(place.determinant())) * metres;
-  const CrsTransform transform(grid.crs);
-  const Eigen::Vector2d middle(static_cast<double>(grid.width_px) / 2, static_cast<double>(grid.height_px) / 2);
-  const auto at = [&](double col, double row) {
-    return transform.geodetic_from_map(place.map_from_pixel(middle + Eigen::Vector2d(col, row)));
-  };
-  const auto left = at(-0.5, 0);
-  const auto right = at(0.5, 0);
-  const auto up = at(0, -0.5);
-  const auto down = at(0, 0.5);
-  if (!left || !right || !up || !down) throw UsageError("the grid's centre has no longitude and latitude");
-  return std::sqrt(geodesic_between(*left, *right).length_m * geodesic_between(*up, *down).length_m);
-}
 
 RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options)
     : RasterView(info, options, For::kReading) {}

@@ -25,10 +25,6 @@ struct TargetGrid {
   std::int64_t height_px = 0;
 };
 
-/// Side of a grid's pixel on the ground at its centre, metres. Throws UsageError when that has no longitude and
-/// latitude.
-double ground_gsd_m(const TargetGrid& grid);
-
 /// A stack of GDAL datasets, each made from the one before; `bands` of the last one are gray or red, green, blue.
 /// Belongs to one thread at a time.
 class RasterView {

@@ -17,6 +17,7 @@
 #include "pilotage/matchability/self_votes.h"
 #include "pilotage/score/add_ground_cover.h"
 #include "pilotage/score/tile_scoring.h"
+#include "pilotage/vision/features.h"
 
 namespace pilotage {
 namespace {
@@ -27,38 +28,68 @@ struct ByLevel {
   bool operator()(int level, const GroundTile& tile) const { return level < tile.level; }
 };
 
-/// How many measures go over the tiles one after the other.
+/// How many times the tiles are gone over: for their statistics and surfaces; for P by their fine contrast and their
+/// features; for their ground cover.
 int count_passes(const ScoreOptions& options) {
-  const bool model = options.measure(ScoreMeasure::kCorrectFix);  // statistics, fine contrast, votes
-  const bool of_gray = options.measures_surface() || options.measure(ScoreMeasure::kGrayVariance) ||
-                       options.measure(ScoreMeasure::kFriedenEntropy);
-  return (model ? 3 : of_gray ? 1 : 0) + (options.measure(ScoreMeasure::kGroundCover) ? 1 : 0);
+  return 1 + (options.measure(ScoreMeasure::kCorrectFix) ? 2 : 0) +
+         (options.measure(ScoreMeasure::kGroundCover) ? 1 : 0);
+}
+
+/// The pixels around a tile that some measure reads.
+int reach_px(const TileScoring& scoring) {
+  const int of_features = scoring.model ? kVoteReach_px + kFeatureBlockPx : 0;  // found in whole blocks
+  return std::max({scoring.radius_px, scoring.margin_px, of_features});
+}
+
+/// How many pixels stay in memory when all that tiles need is read: blocks of this size.
+constexpr int kUnitWidth_px = 512;
+constexpr int kUnitHeight_px = 256;
+std::int64_t needed_pixels(const TileScoring& scoring, std::span<const std::int64_t> indices) {
+  const TileMatrix& matrix = scoring.matrix;
+  const std::int64_t across = matrix.grid_width_px / kUnitWidth_px + 1;
+  std::vector<char> needed(static_cast<std::size_t>(across * (matrix.grid_height_px / kUnitHeight_px + 1)), 0);
+  for (const std::int64_t index : indices) {
+    const PixelWindow window = matrix.search_window(matrix.cell_of(index), reach_px(scoring));
+    const std::int64_t first = window.col / kUnitWidth_px;
+    const std::int64_t last = (window.col + window.width - 1) / kUnitWidth_px;
+    for (std::int64_t row = window.row / kUnitHeight_px; row * kUnitHeight_px < window.row + window.height; ++row) {
+      std::fill_n(needed.begin() + row * across + first, last - first + 1, char{1});
+    }
+  }
+  return std::count(needed.begin(), needed.end(), char{1}) * kUnitWidth_px * kUnitHeight_px;
 }
 
 /// The parts of a level (places in `indices`) that all measures go over before the next one is begun: what the first of
 /// them has warped, the others find in memory. Whole blocks of tiles, and as large as will stay with what lies around
-/// them. One part where all of the level stays, where nothing would, and for one measure.
+/// them. One part where all stays, where so little would that what lies around is more, and for a single pass.
 std::vector<std::vector<std::size_t>> parts_of_level(const TileScoring& scoring, std::int64_t kept_px,
                                                      std::span<const std::int64_t> indices) {
-  constexpr int kUnit_px = 512;  // what is kept begins and ends at borders of blocks of about this size
   const TileMatrix& matrix = scoring.matrix;
-  const BlockSize block = block_size(scoring);
-  const std::int64_t block_width_px = block.columns * matrix.stride_px;
-  const std::int64_t block_height_px = block.rows * matrix.stride_px;
-  const int reach_px = std::max({scoring.radius_px, scoring.margin_px, kVoteReach_px});
-  const std::int64_t around_px = matrix.tile_size_px + 2 * reach_px + 2 * kUnit_px;
-  // As wide as high, where blocks are not wider than that.
-  const auto side_px = static_cast<std::int64_t>(std::sqrt(static_cast<double>(kept_px))) - around_px;
-  const std::int64_t width_px = std::max<std::int64_t>(1, side_px / block_width_px) * block_width_px;
-  const std::int64_t room_px = kept_px / (width_px + around_px) - around_px;
-  const std::int64_t height_px = room_px / block_height_px * block_height_px;
-  const bool all_stays = matrix.grid_width_px * matrix.grid_height_px <= kept_px;
-  if (all_stays || height_px <= 0 || count_passes(scoring.options) < 2) {
+  const auto one_part = [&] {
     std::vector<std::size_t> all(indices.size());
     std::iota(all.begin(), all.end(), 0U);
-    return {all};
+    return std::vector<std::vector<std::size_t>>{all};
+  };
+  if (kept_px == 0 || count_passes(scoring.options) < 2 || needed_pixels(scoring, indices) <= kept_px) {
+    return one_part();
   }
-  return tiles_by_rectangle(matrix, indices, width_px, height_px);
+  const std::int64_t around_px = matrix.tile_size_px + 2 * (reach_px(scoring) + kUnitWidth_px);
+  const BlockSize block = block_size(scoring);
+  const auto whole_blocks = [&](std::int64_t room_px, std::int64_t tiles) {
+    return std::max<std::int64_t>(1, room_px / (tiles * matrix.stride_px)) * tiles * matrix.stride_px;
+  };
+  // As wide as high, or as the grid is narrower or lower than that.
+  const auto side_px = static_cast<std::int64_t>(std::sqrt(static_cast<double>(kept_px)));
+  const std::int64_t across_px = std::max(side_px, kept_px / matrix.grid_height_px);
+  const std::int64_t width_px =
+      across_px >= matrix.grid_width_px ? matrix.grid_width_px : whole_blocks(across_px - around_px, block.columns);
+  const std::int64_t down_px = kept_px / std::min(width_px + around_px, matrix.grid_width_px);
+  if (down_px >= matrix.grid_height_px) {
+    return tiles_by_rectangle(matrix, indices, width_px, matrix.grid_height_px);
+  }
+  const std::int64_t room_px = down_px - around_px;
+  if (room_px < std::max(around_px, block.rows * matrix.stride_px)) return one_part();
+  return tiles_by_rectangle(matrix, indices, width_px, whole_blocks(room_px, block.rows));
 }
 
 /// Progress of a level in tiles, whatever a measure counts and in however many parts: each measure of a part is its

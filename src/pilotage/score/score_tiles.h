@@ -99,8 +99,9 @@ struct ScoreOptions {
 ///  - the search area is cut at the edge of the grid.
 ///
 /// Streams `source` in blocks of columns and rows, each pixel read about once; memory stays below 2 GiB with the
-/// default options and grows with the number of tiles alone, whatever the width and the height of the grid.
-/// Deterministic: the same bytes for any `threads` and any choice of tiles that holds a given tile.
+/// default options and grows with the number of tiles alone, whatever the width and the height of the grid; of imagery
+/// in strips with its width. Deterministic: the same bytes for any `threads` and any choice of tiles that holds a given
+/// tile.
 ///
 /// Throws UsageError when an option or an index is out of range, an index does not follow the one before it, no measure
 /// is asked for, or a surface is asked for with radius 0;

@@ -74,6 +74,21 @@ void check_map(const GraySource& source, const TileMatrix& matrix, int search_ra
   }
 }
 
+void check_indices(const TileMatrix& matrix, std::span<const std::int64_t> tile_indices) {
+  std::int64_t before = -1;
+  for (const std::int64_t index : tile_indices) {
+    if (index < 0 || index >= matrix.tile_count()) {
+      throw UsageError("tile index " + std::to_string(index) + " is outside [0, " +
+                       std::to_string(matrix.tile_count() - 1) + "]");
+    }
+    if (index <= before) {
+      throw UsageError("tile index " + std::to_string(index) + " follows " + std::to_string(before) +
+                       ": indices must ascend, without duplicates");
+    }
+    before = index;
+  }
+}
+
 std::int64_t columns_per_block(const TileScoring& scoring) {
   std::size_t bytes = 1;
   if (scoring.clean()) bytes += CleanSurfaces::bytes_per_column(scoring.matrix, scoring.radius_px, scoring.lag_step);
@@ -343,19 +358,10 @@ bool TileScoring::degraded() const {
   return options.measure(ScoreMeasure::kDegraded);
 }
 
-void check_indices(const TileMatrix& matrix, std::span<const std::int64_t> tile_indices) {
-  std::int64_t before = -1;
-  for (const std::int64_t index : tile_indices) {
-    if (index < 0 || index >= matrix.tile_count()) {
-      throw UsageError("tile index " + std::to_string(index) + " is outside [0, " +
-                       std::to_string(matrix.tile_count() - 1) + "]");
-    }
-    if (index <= before) {
-      throw UsageError("tile index " + std::to_string(index) + " follows " + std::to_string(before) +
-                       ": indices must ascend, without duplicates");
-    }
-    before = index;
-  }
+void check_request(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
+                   std::span<const std::int64_t> tile_indices, const ScoreOptions& options) {
+  check_map(source, matrix, search_radius_px, options);
+  check_indices(matrix, tile_indices);
 }
 
 BlockSize block_size(const TileScoring& scoring) {

@@ -50,7 +50,8 @@ TileScoring begin_scoring(const GraySource& source, const TileMatrix& matrix, in
 std::vector<TileScores> score_tiles(const TileScoring& scoring, std::span<const std::int64_t> tile_indices,
                                     const Progress& progress);
 
-/// Throws UsageError when an index is not one of the matrix, or does not follow the one before it.
-void check_indices(const TileMatrix& matrix, std::span<const std::int64_t> tile_indices);
+/// Throws what the other score_tiles throws before it reads a pixel.
+void check_request(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
+                   std::span<const std::int64_t> tile_indices, const ScoreOptions& options);
 
 }  // namespace pilotage

@@ -216,7 +216,8 @@ FeatureSet extract_features_of_map(const GraySource& source, const std::vector<P
   // Down one slab, then the next, so that rows of blocks that share their margins are read soon after each other.
   std::vector<std::size_t> order(blocks.size());
   std::iota(order.begin(), order.end(), 0U);
-  const auto slab_of = [&](std::size_t index) { return blocks[index].col * kFeatureBlockPx / kSlabWidth_px; };
+  const std::int64_t slab_px = slab_width_px(source.width_px, source.block_width_px);
+  const auto slab_of = [&](std::size_t index) { return blocks[index].col * kFeatureBlockPx / slab_px; };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return slab_of(a) < slab_of(b); });
   std::vector<FeatureSet> sets(blocks.size());
   std::mutex mutex;
