@@ -38,6 +38,18 @@ GraySource in_blocks(const Raster& raster, int width, int height) {
   return source;
 }
 
+/// Square blocks of nothing in particular, 16 bits, five high; counts those that are made.
+GraySource counted_blocks(int side_px, std::int64_t across, int& reads) {
+  GraySource source = in_blocks(noise(300, 300), side_px, side_px);
+  source.width_px = side_px * across;
+  source.height_px = std::int64_t{side_px} * 5;
+  source.read = [&reads](const PixelWindow& window) {
+    ++reads;
+    return Raster{cv::Mat(window.height, window.width, CV_16U), cv::Mat(window.height, window.width, CV_8U), {}};
+  };
+  return source;
+}
+
 TEST(SharedBlocks, OverlappingWindowsOfThreadsReadEachBlockOnce) {
   const Raster raster = noise(1500, 1100);
   GraySource source = in_blocks(raster, 300, 130);
@@ -144,15 +156,8 @@ TEST(SharedBlocks, WhatWasDroppedIsReadAgain) {
 
 // Three rows of them would take 2.3 GiB.
 TEST(SharedBlocks, RowsOfAVeryWideMapAreNotKeptWhole) {
-  GraySource source = in_blocks(noise(300, 300), 256, 256);
-  source.width_px = 256 * 6000;
-  source.height_px = 256 * 5;
   int reads = 0;
-  source.read = [&reads](const PixelWindow& window) {
-    ++reads;
-    return Raster{cv::Mat(window.height, window.width, CV_16U), cv::Mat(window.height, window.width, CV_8U), {}};
-  };
-  const GraySource shared = share_blocks(source);
+  const GraySource shared = share_blocks(counted_blocks(256, 6000, reads));
   const auto read_row = [&](std::int64_t blocks) {
     for (std::int64_t col = 0; col < 256 * blocks; col += 256) shared.read({col + 3, 5, 10, 10});
   };
@@ -167,15 +172,8 @@ TEST(SharedBlocks, RowsOfAVeryWideMapAreNotKeptWhole) {
 
 // What goes down slabs finds three rows of one again, however large its blocks.
 TEST(SharedBlocks, RowsOfASlabAreKept) {
-  GraySource source = in_blocks(noise(300, 300), 4096, 4096);
-  source.width_px = 4096 * 30;
-  source.height_px = 4096 * 5;
   int reads = 0;
-  source.read = [&reads](const PixelWindow& window) {
-    ++reads;
-    return Raster{cv::Mat(window.height, window.width, CV_16U), cv::Mat(window.height, window.width, CV_8U), {}};
-  };
-  const GraySource shared = share_blocks(source);
+  const GraySource shared = share_blocks(counted_blocks(4096, 30, reads));
   constexpr std::int64_t kAcross = kSlabWidth_px / 4096 + 1;  // one lies across the border
   for (int round = 0; round < 2; ++round) {
     for (std::int64_t row = 0; row < 3; ++row) {

@@ -56,7 +56,6 @@ struct ReadUnits {
   std::int64_t across = 0;
   std::vector<char> wanted;  // row by row: some tile touches it
   ColumnRange columns;       // of the tiles
-  std::int64_t first_col_px = 0;
   std::int64_t end_col_px = 0;
 
   ReadUnits(const GraySource& source, const TileMatrix& matrix, std::span<const MeasuredTile> tiles)
@@ -66,8 +65,7 @@ struct ReadUnits {
     const auto last_unit_of = [&](const PixelWindow& window) { return (window.col + window.width - 1) / width_px; };
     first_column = matrix.tile_window(columns.first, 0).col / width_px;
     across = last_unit_of(matrix.tile_window(columns.last, 0)) + 1 - first_column;
-    first_col_px = first_column * width_px;
-    end_col_px = std::min(source.width_px, first_col_px + across * width_px);
+    end_col_px = std::min(source.width_px, (first_column + across) * width_px);
     wanted.resize(static_cast<std::size_t>(across * ((source.height_px + height_px - 1) / height_px)));
     for (const MeasuredTile& tile : tiles) {
       const PixelWindow window = matrix.tile_window(tile.cell);
@@ -78,7 +76,8 @@ struct ReadUnits {
     }
   }
 
-  int strip_width_px() const { return static_cast<int>(end_col_px - first_col_px); }
+  std::int64_t first_col_px() const { return first_column * width_px; }
+  int strip_width_px() const { return static_cast<int>(end_col_px - first_col_px()); }
 
  private:
   static std::int64_t side(std::int64_t block_px) {
@@ -103,7 +102,7 @@ GrayWindow read_strip(const GraySource& source, const ReadUnits& units, std::int
     move_to_top(memory.valid, static_cast<int>(first_row - above.window.row), static_cast<int>(known - first_row));
   }
   GrayWindow strip;
-  strip.window = {units.first_col_px, first_row, units.strip_width_px(), static_cast<int>(end_row - first_row)};
+  strip.window = {units.first_col_px(), first_row, units.strip_width_px(), static_cast<int>(end_row - first_row)};
   strip.pixels = memory.pixels.rowRange(0, strip.window.height);
   strip.valid = memory.valid.rowRange(0, strip.window.height);
   const std::int64_t first_unit = known / units.height_px * units.across;
@@ -111,7 +110,7 @@ GrayWindow read_strip(const GraySource& source, const ReadUnits& units, std::int
   parallel_for(static_cast<std::size_t>(end_unit - first_unit), threads, [&](std::size_t index, int worker) {
     if (worker == 0) checkpoint();
     const std::int64_t unit = first_unit + static_cast<std::int64_t>(index);
-    const std::int64_t col = units.first_col_px + unit % units.across * units.width_px;
+    const std::int64_t col = units.first_col_px() + unit % units.across * units.width_px;
     const std::int64_t row = std::max(known, unit / units.across * units.height_px);
     const std::int64_t end = std::min((unit / units.across + 1) * units.height_px, end_row);
     const PixelWindow window{col, row, static_cast<int>(std::min(units.width_px, units.end_col_px - col)),
