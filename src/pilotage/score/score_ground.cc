@@ -136,7 +136,7 @@ std::vector<TileScores> score_level(const Ground& ground, const GridLevel& level
   for (const GroundTile& tile : tiles) indices.push_back(level.matrix.index_of(tile.column, tile.row));
   const bool cover = options.measure(ScoreMeasure::kGroundCover);
   const TileScoring scoring =
-      begin_scoring(imagery.gray, level.matrix, level.search_radius_px, options, seed, threads, progress);
+      begin_scoring(imagery.gray, level.matrix, level.search_radius_px, indices, options, seed, threads, progress);
   std::optional<double> white;
   std::vector<TileScores> scores(indices.size());
   LevelProgress level_progress(progress, indices.size(), count_passes(options));

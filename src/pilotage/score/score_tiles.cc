@@ -17,8 +17,8 @@ bool ScoreOptions::measures_surface() const {
 std::vector<TileScores> score_tiles(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
                                     std::span<const std::int64_t> tile_indices, const ScoreOptions& options,
                                     std::uint64_t seed, int threads, const Progress& progress) {
-  check_request(source, matrix, search_radius_px, tile_indices, options);
-  const TileScoring scoring = begin_scoring(source, matrix, search_radius_px, options, seed, threads, progress);
+  const TileScoring scoring =
+      begin_scoring(source, matrix, search_radius_px, tile_indices, options, seed, threads, progress);
   return score_tiles(scoring, tile_indices, progress);
 }
 

@@ -52,7 +52,8 @@ struct TileBlock {
   std::map<std::int64_t, std::vector<std::int64_t>> columns_of_row;  // tiles asked for
 };
 
-void check_map(const GraySource& source, const TileMatrix& matrix, int search_radius_px, const ScoreOptions& options) {
+void check_request(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
+                   std::span<const std::int64_t> tile_indices, const ScoreOptions& options) {
   check_options(options);
   if (options.measures.empty()) throw UsageError("measures: none is asked for");
   if (search_radius_px < 0) {
@@ -72,9 +73,6 @@ void check_map(const GraySource& source, const TileMatrix& matrix, int search_ra
                     " px is larger than the imagery of " + std::to_string(source.width_px) + " x " +
                     std::to_string(source.height_px) + " px");
   }
-}
-
-void check_indices(const TileMatrix& matrix, std::span<const std::int64_t> tile_indices) {
   std::int64_t before = -1;
   for (const std::int64_t index : tile_indices) {
     if (index < 0 || index >= matrix.tile_count()) {
@@ -358,12 +356,6 @@ bool TileScoring::degraded() const {
   return options.measure(ScoreMeasure::kDegraded);
 }
 
-void check_request(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
-                   std::span<const std::int64_t> tile_indices, const ScoreOptions& options) {
-  check_map(source, matrix, search_radius_px, options);
-  check_indices(matrix, tile_indices);
-}
-
 BlockSize block_size(const TileScoring& scoring) {
   if (!scoring.options.measures_surface()) return {1, 1};
   const TileMatrix& matrix = scoring.matrix;
@@ -375,8 +367,9 @@ BlockSize block_size(const TileScoring& scoring) {
 }
 
 TileScoring begin_scoring(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
-                          const ScoreOptions& options, std::uint64_t seed, int threads, const Progress& progress) {
-  check_map(source, matrix, search_radius_px, options);
+                          std::span<const std::int64_t> tile_indices, const ScoreOptions& options, std::uint64_t seed,
+                          int threads, const Progress& progress) {
+  check_request(source, matrix, search_radius_px, tile_indices, options);
   TileScoring scoring{source, matrix, options, options.measures_surface() ? search_radius_px : 0,
                       thread_count(threads)};
   if (options.measure(ScoreMeasure::kCorrectFix)) {  // a wrong model is refused before the work is done
@@ -406,7 +399,6 @@ TileScoring begin_scoring(const GraySource& source, const TileMatrix& matrix, in
 
 std::vector<TileScores> score_tiles(const TileScoring& scoring, std::span<const std::int64_t> tile_indices,
                                     const Progress& progress) {
-  check_indices(scoring.matrix, tile_indices);
   std::vector<TileScores> scores(tile_indices.size());
   if (scores.empty()) return scores;
   if (scoring.options.measures_surface()) {

@@ -42,16 +42,14 @@ struct BlockSize {
 };
 BlockSize block_size(const TileScoring& scoring);
 
-/// Arguments and exceptions are those of the other score_tiles; source, matrix and options must outlive the result.
+/// For all tiles that will be asked for. Arguments and exceptions are those of the other score_tiles; source, matrix
+/// and options must outlive the result.
 TileScoring begin_scoring(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
-                          const ScoreOptions& options, std::uint64_t seed, int threads, const Progress& progress);
+                          std::span<const std::int64_t> tile_indices, const ScoreOptions& options, std::uint64_t seed,
+                          int threads, const Progress& progress);
 
-/// Scores some tiles of the map, as the other score_tiles does.
+/// Scores some of these tiles, ascending, as the other score_tiles does.
 std::vector<TileScores> score_tiles(const TileScoring& scoring, std::span<const std::int64_t> tile_indices,
                                     const Progress& progress);
-
-/// Throws what the other score_tiles throws before it reads a pixel.
-void check_request(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
-                   std::span<const std::int64_t> tile_indices, const ScoreOptions& options);
 
 }  // namespace pilotage
