@@ -130,6 +130,27 @@ def same_prediction(setting, found, report, html):
         drawn_alike(found["loss"], re.search(r'class="curve loss" d="([^"]+)"', html).group(1), f"{setting}: P by the place of loss")
 
 
+def about_first(page, pilotage, sample):
+    """A route so long that one would wait: the sample's, there and back and there again."""
+    route = json.loads((sample / "route.plan").read_text(encoding="utf-8"))
+    points = [item["params"][5:3:-1] for item in route["mission"]["items"] if item.get("command") in (16, 22) and item["params"][4]]
+    line = points + points[-2::-1] + points[1:]
+    (sample / "long.geojson").write_text(json.dumps({"type": "LineString", "coordinates": line}), encoding="utf-8")
+    run(pilotage, "prepare", "mission.json", "--route", "long.geojson", "--agl-m", "120", "-q", "-o", "long", cwd=sample)
+    page.open(sample / "long/report.html")
+    page.run(ASK, 50, "0", "", 2)
+    page.wait("return pilotage.whatIf.predicted !== null", "an answer at once")
+    state, word, answer, p = page.run("""const p = pilotage.whatIf.predicted;
+      return [...['state', 'word', 'answer'].map((name) => document.getElementById('what-if-' + name).textContent),
+              p.about && p.probability.interval === null ? p.probability.p_within_limit : null]""")
+    check("may be off by 0.1" in state, f"nothing says how good the first answer is: {state}")
+    check(word.startswith("What if: about ") and answer.startswith("About: "), f"the first answer is not marked: {word}, {answer}")
+    page.wait(ANSWERED, "the answer in full")
+    full, word = page.run("return [pilotage.whatIf.predicted.probability, document.getElementById('what-if-word').textContent]")
+    check(full["interval"] and "about" not in word, f"the answer in full is {full}, {word}")
+    check(p is not None and abs(p - full["p_within_limit"]) <= 0.1, f"at once {p}, in full {full['p_within_limit']}")
+
+
 def planned_stays(page, path):
     """What the report itself says while something is asked, on paper, and after a reset."""
     header = "return document.querySelector('.verdict').textContent + document.title"
@@ -234,6 +255,7 @@ def test(pilotage, source, work, rest):
         check({"GO", "NO-GO"} <= words and between >= 5, f"the settings give {words}, {between} of them a P between 0 and 1")
         planned_stays(page, sample / "out/report.html")
         nothing_where_nothing_is_known(page, Prepared(pilotage, sample, "out"), work)
+        about_first(page, pilotage, sample)
         looks(page, sample / "out/report.html", pathlib.Path(rest[0]))
         said = page.console()
         check(not said, f"the console has: {said}")

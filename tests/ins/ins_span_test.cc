@@ -60,6 +60,21 @@ TEST(InsSpan, EndsAsFlyingStepByStepDoes) {
   }
 }
 
+TEST(InsSpan, IsFlownAsOneStep) {
+  for (const InsErrorModel& model : models()) {
+    const InsStep once = make_ins_step(0.7, 80, 20, model);
+    InsState state = propagate(initial_ins_state(model, 80, 20), 30, 80, 20, model);
+    InsSpan span(state);
+    for (int i = 0; i < 5; ++i) span.fly(once);
+    const InsState expected = span.end_of(state);
+    state = propagate(state, span.as_step());
+    EXPECT_EQ(state.covariance, expected.covariance);
+    EXPECT_NEAR(state.time_s, expected.time_s, 1e-12);
+    EXPECT_EQ(state.heading_deg, 80);
+    EXPECT_EQ(state.speed_mps, 20);
+  }
+}
+
 TEST(InsSpan, FixesWithinItAreThoseOfTheStateThere) {
   for (const InsErrorModel& model : models()) {
     InsState begin = initial_ins_state(model, 80, 20);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numeric>
 #include <string>
 
@@ -151,6 +152,49 @@ TEST(RouteProbability, AgreesWithEveryOutcomeOfTenAttempts) {
                      std::to_string(largest) + " of " + std::to_string(exact.back()));
     }
   }
+}
+
+// Errors are held against the limit where tries are, and seldom else: who is lost between is found there all the same.
+TEST(RouteProbability, IsTheSameWhereErrorsAreLookedAtAtEverySample) {
+  for (const InsGrade grade : {InsGrade::kTactical, InsGrade::kIndustrial, InsGrade::kVisualOdometry}) {
+    Mission mission = straight_mission(6000, 10, 3);
+    mission.flight.ins.grade = grade;
+    Random random(seed_from_name("IsTheSameWhereErrorsAreLookedAtAtEverySample"));
+    const std::vector<double> p_fix = random_p_fix(mission, 37, 0.5, 0.95, random);
+    Mission uneven = mission;  // no two steps are the same
+    for (std::size_t i = 1; i + 1 < p_fix.size(); i += 2) {
+      FlightSample& at = uneven.flight.samples[i];
+      if (uneven.flight.samples[i + 1].leg == at.leg && at.distance_m > uneven.flight.samples[i - 1].distance_m) {
+        at.distance_m += 3e-4;
+      }
+    }
+    const FlightPath path = make_flight_path(mission, error_after_s(mission, 41));
+    const RouteSurvival survival = predict_survival(path, independent(p_fix));
+    const RouteSurvival slow = predict_survival(make_flight_path(uneven, path.max_error_m), independent(p_fix));
+    ASSERT_EQ(survival.p_within_limit.size(), p_fix.size());
+    EXPECT_GT(survival.p_within_limit.back(), 0.01);
+    EXPECT_LT(survival.p_within_limit.back(), 0.99);
+    for (std::size_t i = 0; i < p_fix.size(); ++i) {
+      EXPECT_NEAR(survival.p_within_limit[i], slow.p_within_limit[i], 1e-4) << i;
+    }
+  }
+}
+
+// Of flights that had their last fix together, those that hold next to nothing are one branch, and none of them is lost
+// by it.
+TEST(RouteProbability, RareFlightsOfOneFixBecomeOneBranch) {
+  const Mission mission = straight_mission(6000, 50);
+  Random random(seed_from_name("RareFlightsOfOneFixBecomeOneBranch"));
+  const std::vector<double> p_fix = random_p_fix(mission, 4, 0.5, 0.8, random);
+  const FlightPath path = make_flight_path(mission, error_after_s(mission, 400));
+  const FlightStretch flown = fly_stretch(path, path.steps, independent(p_fix), 0, p_fix.size(), first_branches(path));
+  double total = 0;
+  for (const FlightBranch& branch : flown.branches) total += branch.probability;
+  EXPECT_NEAR(total, 1, 1e-6);
+  std::map<std::size_t, int> rare;  // by the sample of the last fix
+  for (const FlightBranch& branch : flown.branches) rare[branch.fix_sample] += branch.probability < 1e-3 ? 1 : 0;
+  EXPECT_GT(rare.size(), 10U);
+  for (const auto& [fix_sample, count] : rare) EXPECT_LE(count, 1) << fix_sample;
 }
 
 // Many flights, each with its own luck and its own covariance.

@@ -15,6 +15,12 @@ using Rows = PositionAhead::Rows;
 constexpr double kLongest_s = 60;
 constexpr double kLeastDecay = 1e-3;  // of a state that only decays
 
+// Eigen's products for large matrices are slower here than plain loops.
+Eigen::Matrix2d added_m2(const Rows& rows, const Matrix& noise) {
+  const Rows driven = noise.lazyProduct(rows);
+  return rows.transpose().lazyProduct(driven);
+}
+
 }  // namespace
 
 PositionAhead::PositionAhead(const Rows& rows, const Eigen::Matrix2d& noise_m2) : rows_(rows), noise_m2_(noise_m2) {
@@ -26,8 +32,7 @@ PositionAhead::PositionAhead(const Rows& rows, const Eigen::Matrix2d& noise_m2) 
 PositionAhead::PositionAhead(const InsStep& step) : PositionAhead(Rows::Identity(), Eigen::Matrix2d::Zero()) {
   assert(!step.aided);
   for (double part = 0; part < step.parts; ++part) {
-    const Eigen::Matrix2d added_m2 = rows_.transpose() * step.noise * rows_;
-    *this = PositionAhead(step.phi.transpose() * rows_, noise_m2_ + added_m2);
+    *this = PositionAhead(step.phi.transpose().lazyProduct(rows_), noise_m2_ + added_m2(rows_, step.noise));
   }
 }
 
@@ -82,17 +87,23 @@ bool InsSpan::is_long() const {
 
 InsState InsSpan::end_of(const InsState& begin) const {
   InsState end = begin;
-  if (is_flown_) {
-    InsStep way;
-    way.phi = transposed_.transpose();
-    way.noise = noise_;
-    way.list_driving();
-    end.covariance = covariance_after_part(begin.covariance, way);
-  }
+  if (is_flown_) end.covariance = covariance_after_part(begin.covariance, as_step());
   end.heading_deg = heading_deg_;
   end.speed_mps = speed_mps_;
   end.time_s += dt_s_;
   return end;
+}
+
+InsStep InsSpan::as_step() const {
+  InsStep step;
+  step.dt_s = dt_s_;
+  step.heading_deg = heading_deg_;
+  step.speed_mps = speed_mps_;
+  step.parts = 1;
+  step.phi = transposed_.transpose();
+  step.noise = noise_;
+  step.list_driving();
+  return step;
 }
 
 PositionAhead InsSpan::position() const {
@@ -101,19 +112,19 @@ PositionAhead InsSpan::position() const {
 
 PositionAhead InsSpan::position_after(const PositionAhead& ahead) const {
   const Rows& rows = ahead.rows();
-  return {transposed_ * rows, ahead.noise_m2() + rows.transpose() * noise_ * rows};
+  return {transposed_.lazyProduct(rows), ahead.noise_m2() + added_m2(rows, noise_)};
 }
 
 SpanFix::SpanFix(const InsSpan& span, double fix_sigma_m) : variance_m2_(fix_sigma_m * fix_sigma_m) {
   const Rows measured = fix_by_map().transpose();
-  rows_ = span.transposed_ * measured;
-  joined_ = span.noise_ * measured;
+  rows_ = span.transposed_.lazyProduct(measured);
+  joined_ = span.noise_.lazyProduct(measured);
   if (!span.is_flown()) return;  // Q is 0
   // Ψ has two blocks of rows: the lower one is a diagonal, and beside it there is nothing.
   const Matrix transition = span.transposed_.transpose();
   joined_.bottomRows<InsStep::kDriving>().array().colwise() /= transition.diagonal().tail<InsStep::kDriving>().array();
-  joined_.topRows<InsStep::kDriven>() -=
-      transition.topRightCorner<InsStep::kDriven, InsStep::kDriving>() * joined_.bottomRows<InsStep::kDriving>();
+  joined_.topRows<InsStep::kDriven>() -= transition.topRightCorner<InsStep::kDriven, InsStep::kDriving>().lazyProduct(
+      joined_.bottomRows<InsStep::kDriving>());
   const Eigen::Matrix<double, InsStep::kDriven, 2> driven =
       transition.topLeftCorner<InsStep::kDriven, InsStep::kDriven>().partialPivLu().solve(
           joined_.topRows<InsStep::kDriven>());

@@ -48,6 +48,8 @@ class InsSpan {
 
   /// The state at the end of one of the begin.
   InsState end_of(const InsState& begin) const;
+  /// The span as one step of one part, flown from the heading and speed of its end; for which model is not known.
+  InsStep as_step() const;
   /// The position at the end, and at the end of what is flown from there.
   PositionAhead position() const;
   PositionAhead position_after(const PositionAhead& ahead) const;

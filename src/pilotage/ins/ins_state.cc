@@ -167,7 +167,8 @@ void hold_ellipse(Matrix& covariance, int first, double most) {
 
 double largest_variance(const Eigen::Matrix2d& covariance) {
   const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
-  return mean + std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+  const double apart = 0.5 * (covariance(0, 0) - covariance(1, 1));
+  return mean + std::sqrt(apart * apart + covariance(0, 1) * covariance(0, 1));
 }
 
 }  // namespace

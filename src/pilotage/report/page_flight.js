@@ -145,7 +145,7 @@ function flownSteps(path, wind_mps) {
     const form = spanForm(span, ahead.rows, ahead.added);
     return (covariance) => errorOf_m(formVariances(form, covariance), model);
   };
-  return { count: index.length, step: (i) => made[index[i]].step, errorAhead_m };
+  return { count: index.length, step: (i) => made[index[i]].step, index: (i) => index[i], errorAhead_m };
 }
 function* flightCases(path) {
   const inWind = new Map();  // levels share what is flown in one wind
@@ -219,24 +219,66 @@ function firstFlights(path) {
   const { covariance, ...instant } = insAtStart(path);
   return { instant, branches: [{ fixSample: 0, probability: 1, covariance, fixTime_s: -Infinity, window: -1, low: 0, high: 1 }] };
 }
+const longestLeap_s = 10, rareShare = 0.01;
+// At which of the samples behind the last one judged an error is first beyond the limit, as it is at the last of them.
+function firstBeyond(path, covariance, { judged: { span, leap }, count }) {
+  let within = 0, beyond = count;
+  while (beyond - within > 1) {
+    const middle = (within + beyond) >> 1;
+    const { rows, added } = positionAhead(leap(middle));
+    if (errorOf_m(formVariances(spanForm(span, rows, added), covariance), path.model) <= path.limit_m) within = middle; else beyond = middle;
+  }
+  return beyond;
+}
+// Takes out the branches beyond the limit, and those that hold next to nothing; what is left at each sample behind the last judged.
 function loseFlights(path, sample, stretch) {
   const { least_share = 1e-9 } = path.flight.chances;
   const least = least_share * totalProbability(stretch.branches);
   const position = spanForm(stretch.span, insPositionRows);
+  const lost = [];
   stretch.branches = stretch.branches.filter((branch) => {
     branch.variances_m2 = formVariances(position, branch.covariance);
     const beyond = !(errorOf_m(branch.variances_m2, path.model) <= path.limit_m);
-    if (beyond) stretch.losses.push({ fixSample: branch.fixSample, lostAt: sample, probability: branch.probability });
+    if (beyond) {
+      const lostAt = sample - stretch.count + (stretch.count && firstBeyond(path, branch.covariance, stretch));
+      lost.push({ fixSample: branch.fixSample, lostAt, probability: branch.probability });
+    }
     return !(beyond || branch.probability <= least);
   });
+  const left = totalProbability(stretch.branches);
+  for (let i = sample - Math.max(0, stretch.count - 1); i <= sample; ++i) {
+    const within = lost.reduce((sum, loss) => sum + (loss.lostAt > i ? loss.probability : 0), left);
+    const before = stretch.p_within_limit.length ? stretch.p_within_limit[stretch.p_within_limit.length - 1] : 1;
+    stretch.p_within_limit.push(Math.min(before, within));
+  }
+  stretch.losses.push(...lost);
+}
+const sameDraw = (a, b) => a.low === b.low && a.high === b.high;
+// Branches that had their last fix together and of which each holds next to none of the flights become one.
+function joinRare(branches) {
+  const rare = rareShare * totalProbability(branches);
+  const joined = branches.slice(0, 1);
+  for (const next of branches.slice(1)) {
+    const last = joined[joined.length - 1];
+    const together = last.fixSample === next.fixSample && last.window === next.window && sameDraw(last, next);
+    if (!together || !(last.probability < rare && next.probability < rare)) {
+      joined.push(next);
+      continue;
+    }
+    last.probability += next.probability;
+    const share = next.probability / last.probability;
+    last.variances_m2 = last.variances_m2.map((value, n) => value + share * (next.variances_m2[n] - value));
+    last.covariance = new Float64Array(last.covariance);  // other flights may have it, too
+    for (let n = 0; n < last.covariance.length; ++n) last.covariance[n] += share * (next.covariance[n] - last.covariance[n]);
+  }
+  return joined;
 }
 function groupEnds(fixed, share) {
   const ends = [];
   for (let i = 0; i < fixed.length;) {
     const first = fixed[i];
     const most_m = first.error_m * (1 + share);
-    for (++i; i < fixed.length && fixed[i].error_m <= most_m && fixed[i].branch.low === first.branch.low &&
-      fixed[i].branch.high === first.branch.high;) ++i;
+    for (++i; i < fixed.length && fixed[i].error_m <= most_m && sameDraw(fixed[i].branch, first.branch);) ++i;
     ends.push(i);
   }
   return ends;
@@ -272,6 +314,7 @@ function takeFix(path, steps, chances, sample, stretch) {
   const { frames_that_come, false_fix_rate } = path.flight.chances;
   const p = frames_that_come * chances.p[sample];
   if (!(p > 0)) return;
+  stretch.branches = joinRare(stretch.branches);
   const { time_s } = stretch.instant;
   const fixed = [];
   let form = null;
@@ -303,32 +346,49 @@ function takeGnss(path, sample, stretch) {
   }
   stretch.instant = { ...stretch.instant, heading_deg: path.flight.azimuth_deg[sample], speed_mps: path.flight.speed_mps[sample] };
 }
-// All flights one step on: the span grows, or ends there and another begins.
-function flyOn(step, lastOfSpan, stretch) {
+// All flights `count` alike steps on, as one: the span grows, or ends there and another begins.
+function flyOn(steps, i, count, lastOfSpan, stretch) {
   const { instant, span } = stretch;
-  if (span.atFirst && (lastOfSpan || step.aided)) {
+  let step = steps.step(i);
+  stretch.count = count;
+  if (span.atFirst && lastOfSpan || step.aided) {
     for (const branch of stretch.branches) branch.covariance = insPropagate({ ...instant, covariance: branch.covariance }, step).covariance;
   } else {
-    flySpan(span, instant, step);
-    if (lastOfSpan || isLongSpan(span)) {
-      for (const branch of stretch.branches) branch.covariance = insAtSample(span, branch.covariance);
-      stretch.span = newSpan();
-    }
+    if (stretch.index !== steps.index(i)) Object.assign(stretch, { index: steps.index(i), leap: leapsOf(step) });
+    step = stretch.leap(count);
+    stretch.judged = { span, leap: stretch.leap };
+    stretch.span = flySpan(span, instant, step);
+    if (lastOfSpan) endSpan(stretch);
   }
   stretch.instant = { heading_deg: step.heading_deg, speed_mps: step.speed_mps, time_s: instant.time_s + step.time_s };
 }
+function endSpan(stretch) {
+  for (const branch of stretch.branches) branch.covariance = insAtSample(stretch.span, branch.covariance);
+  stretch.span = newSpan();
+}
+// How many steps on from sample i the next thing happens: a try, a change of GNSS, another kind of step, the stretch's last sample.
+function stepsToNext({ gnss }, steps, chances, i, end) {
+  const had = (k) => gnss.over[k] || gnss.at[k + 1];
+  const { aided, time_s } = steps.step(i);
+  if (aided || had(i)) return 1;
+  let count = 1;
+  while (i + count + 1 < end && !(chances.p[i + count] > 0) && steps.index(i + count) === steps.index(i) && !had(i + count) &&
+    (count + 1) * time_s <= longestLeap_s) ++count;
+  return count;
+}
+// `count`: of samples behind the last one at which errors were held against the limit, where `judged` is.
 function* flyStretch(path, steps, chances, begin, end, flights) {
   const { gnss } = path;
   const stretch = { p_within_limit: [], losses: [], branches: flights.branches.map((branch) => ({ ...branch })), instant: flights.instant,
-    span: newSpan() };
-  for (let i = begin; i < end; ++i) {
+    span: newSpan(), judged: null, count: 0, index: null, leap: null };
+  for (let i = begin; i < end; i += stretch.count) {
     loseFlights(path, i, stretch);
-    const before = stretch.p_within_limit.length ? stretch.p_within_limit[stretch.p_within_limit.length - 1] : 1;
-    stretch.p_within_limit.push(Math.min(before, totalProbability(stretch.branches)));
+    if (isLongSpan(stretch.span)) endSpan(stretch);
     if (gnss.at[i]) takeGnss(path, i, stretch);
     takeFix(path, steps, chances, i, stretch);
-    if (i >= steps.count) continue;
-    flyOn(steps.step(i), i + 1 === end || gnss.over[i] || gnss.at[i + 1], stretch);
+    if (i >= steps.count) break;
+    const count = stepsToNext(path, steps, chances, i, end);
+    flyOn(steps, i, count, i + 1 === end || gnss.over[i] || gnss.at[i + 1], stretch);
     yield i / path.flight.count;
     if (gnss.over[i]) takeGnss(path, i + 1, stretch);
   }
@@ -486,7 +546,7 @@ function* predictFlight(planned, settings) {
   const survival = yield* survivalAlong(path, cases, chances);
   const p = survival.p_within_limit;
   predicted.probability = { p_within_limit: p[p.length - 1], min_p_within_limit: flight.chances.min_route_probability, worst: survival.worst,
-    interval: null };
+    at_level: survival.at_level, interval: null };
   if (chances.length > 1) {
     const ends = flight.chances.level_interval.map((level) => survival.at_level[level]);
     const mean = predicted.probability.p_within_limit;
@@ -501,18 +561,21 @@ function* predictFlight(planned, settings) {
   return predicted;
 }
 
-// Runs a generator in slices of 30 ms, so that the page stays alive, and tells how far it is; null once `isStale`.
+// Runs a generator in slices of 30 ms, so that the page stays alive, and tells how far it is; null once `isStale`. The next slice
+// comes by a message: browsers hold timers back.
 async function inSlices(work, isStale, tell) {
+  const { port1, port2 } = new MessageChannel();
+  const comeBack = () => new Promise((go) => { port1.onmessage = go; port2.postMessage(null); });
   for (;;) {
     const end = performance.now() + 30;
+    let told;
     while (performance.now() < end) {
-      for (let i = 0; i < 5; ++i) {
-        const step = work.next();
-        if (step.done) return step.value;
-        if (step.value !== undefined) tell(step.value);
-      }
+      const step = work.next();
+      if (step.done) return step.value;
+      if (step.value !== undefined) told = step.value;
     }
-    await new Promise((go) => { setTimeout(go, 0); });
+    if (told !== undefined) tell(told);
+    await comeBack();
     if (isStale()) return null;
   }
 }

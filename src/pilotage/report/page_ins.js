@@ -98,6 +98,20 @@ function insStepNoise(powers, q, time_s) {
   });
   return sum;
 }
+// What of a step's Φ is not 0, row after row: entries first[i] … first[i + 1] − 1 are those of row i.
+function listTransition(step, phi) {
+  const entries = phi.reduce((count, value) => count + (value !== 0), 0);
+  Object.assign(step, { first: new Int32Array(insSize + 1), columns: new Int32Array(entries), factors: new Float64Array(entries),
+    decay: Float64Array.from({ length: insSize }, (_, i) => phi[insIndex(i, i)]) });
+  for (let n = 0, i = 0; i < insSize; ++i) {
+    for (let k = 0; k < insSize; ++k) {
+      if (phi[insIndex(i, k)] === 0) continue;
+      step.columns[n] = k;
+      step.factors[n++] = phi[insIndex(i, k)];
+    }
+    step.first[i + 1] = n;
+  }
+}
 // A step of straight flight, worked out for the many states that fly it.
 function makeInsStep(time_s, heading_deg, speed_mps, model) {
   const step = { time_s, heading_deg, speed_mps, odometry: isOdometry(model), aided: isAided(model), parts: 0 };
@@ -112,18 +126,7 @@ function makeInsStep(time_s, heading_deg, speed_mps, model) {
   const phi = insTransition(powers, part_s);
   const mapDecay = model.map_sigma_m > 0 ? Math.exp(-speed_mps * part_s / model.map_correlation_m) : 1;
   for (const i of [insState.map, insState.map + 1]) phi[insIndex(i, i)] = mapDecay;
-  // What of Φ is not 0, row after row: entries first[i] … first[i + 1] − 1 are those of row i.
-  const entries = phi.reduce((count, value) => count + (value !== 0), 0);
-  Object.assign(step, { first: new Int32Array(insSize + 1), columns: new Int32Array(entries), factors: new Float64Array(entries) });
-  for (let n = 0, i = 0; i < insSize; ++i) {
-    for (let k = 0; k < insSize; ++k) {
-      if (phi[insIndex(i, k)] === 0) continue;
-      step.columns[n] = k;
-      step.factors[n++] = phi[insIndex(i, k)];
-    }
-    step.first[i + 1] = n;
-  }
-  step.decay = Float64Array.from({ length: insSize }, (_, i) => phi[insIndex(i, i)]);
+  listTransition(step, phi);
   step.noise = insStepNoise(powers, insNoiseDensity(model), part_s);
   for (const i of [insState.map, insState.map + 1]) step.noise[insIndex(i, i)] = (1 - mapDecay * mapDecay) * square(model.map_sigma_m);
   return step;
@@ -312,9 +315,9 @@ function holdWithGnss(state, heading_deg, speed_mps, model) {
 function positionAhead(step) {
   if (step.aided) return null;
   let rows = insPositionRows;
-  const added = [0, 0, 0];
+  let added = [0, 0, 0];
   for (let part = 0; part < step.parts; ++part) {
-    [[0, 0], [0, 1], [1, 1]].forEach(([i, j], n) => { added[n] += insBilinear(rows[i], step.noise, rows[j]); });
+    added = insAddedBy(rows, step.noise).map((value, n) => added[n] + value);
     rows = rows.map((row) => {
       const next = new Float64Array(insSize);
       for (let k = 0; k < insSize; ++k) for (let n = step.first[k]; n < step.first[k + 1]; ++n) next[step.columns[n]] += row[k] * step.factors[n];
@@ -348,30 +351,49 @@ function rowTimes(row, matrix) {
   }
   return product;
 }
-function insBilinear(left, matrix, right) {
-  const half = rowTimes(left, matrix);
-  let sum = 0;
-  for (let k = 0; k < insSize; ++k) sum += half[k] * right[k];
-  return sum;
+// Variances and covariance of two combinations of what is added.
+function insAddedBy([x, y], noise) {
+  const byX = rowTimes(x, noise), byY = rowTimes(y, noise);
+  let a = 0, b = 0, d = 0;
+  for (let k = 0; k < insSize; ++k) {
+    a += byX[k] * x[k];
+    b += byX[k] * y[k];
+    d += byY[k] * y[k];
+  }
+  return [a, b, d];
 }
 // The span one step longer; `before` has heading and speed of the step before.
 function flySpan(span, before, step) {
-  insManoeuvre(span.transition, before, step.heading_deg, step.speed_mps, step.odometry, [addRow]);
-  insManoeuvre(span.noise, before, step.heading_deg, step.speed_mps, step.odometry);
+  let transition = new Float64Array(span.transition), noise = new Float64Array(span.noise);
+  insManoeuvre(transition, before, step.heading_deg, step.speed_mps, step.odometry, [addRow]);
+  insManoeuvre(noise, before, step.heading_deg, step.speed_mps, step.odometry);
   for (let part = 0; part < step.parts; ++part) {
     const next = new Float64Array(insSize * insSize);
     for (let i = 0; i < insSize; ++i) {
       for (let n = step.first[i]; n < step.first[i + 1]; ++n) {
         const factor = step.factors[n], from = insSize * step.columns[n];
-        for (let j = 0; j < insSize; ++j) next[insSize * i + j] += factor * span.transition[from + j];
+        for (let j = 0; j < insSize; ++j) next[insSize * i + j] += factor * transition[from + j];
       }
     }
-    span.transition = next;
-    insBefore.set(span.noise);
-    span.noise = insGrown(step);
+    transition = next;
+    insBefore.set(noise);
+    noise = insGrown(step);
   }
-  span.time_s += step.time_s;
-  span.atFirst = false;
+  return { atFirst: false, time_s: span.time_s + step.time_s, transition, noise };
+}
+// A step flown again and again as one: `leap(count)`; the position after one, for spanForm.
+function leapsOf(step) {
+  const made = [step];
+  let span = null;
+  return (count) => {
+    while (made.length < count) {
+      span = flySpan(span || flySpan(newSpan(), step, step), step, step);
+      const leap = { ...step, time_s: span.time_s, parts: 1, noise: span.noise };
+      listTransition(leap, span.transition);
+      made.push(leap);
+    }
+    return made[count - 1];
+  };
 }
 // The covariance at the span's sample.
 function insAtSample(span, covariance) {
@@ -394,8 +416,7 @@ function spanForm(span, rows, more = [0, 0, 0]) {
   const used = [];
   for (let k = 0; k < insSize; ++k) if (x[k] !== 0 || y[k] !== 0) used.push(k);
   if (span.atFirst) return { rows: [x, y], used, added: more };
-  const added = [[0, 0], [0, 1], [1, 1]].map(([i, j], n) => more[n] + insBilinear(rows[i], span.noise, rows[j]));
-  return { rows: [x, y], used, added };
+  return { rows: [x, y], used, added: insAddedBy(rows, span.noise).map((value, n) => more[n] + value) };
 }
 // The variances and the covariance of the two combinations.
 function formVariances({ rows: [x, y], used, added }, covariance) {
@@ -447,14 +468,17 @@ function fixForm(span) {
   if (!span.atFirst) form.joined = solveColumns(span.transition, form.joined);
   return form;
 }
-function fixedCovariance({ rows, used, joined: [first, second] }, covariance, variance) {
-  const ph = new Float64Array(first), qh = new Float64Array(second);
-  const [x, y] = rows;
+const insPh = new Float64Array(insSize), insQh = new Float64Array(insSize);
+function fixedCovariance({ rows: [x, y], used, joined: [first, second] }, covariance, variance) {
+  const ph = insPh, qh = insQh;
+  ph.set(first);
+  qh.set(second);
   for (let n = 0; n < used.length; ++n) {
     const k = used[n], from = insSize * k, xk = x[k], yk = y[k];
     for (let j = 0; j < insSize; ++j) {
-      ph[j] += xk * covariance[from + j];
-      qh[j] += yk * covariance[from + j];
+      const value = covariance[from + j];
+      ph[j] += xk * value;
+      qh[j] += yk * value;
     }
   }
   let a = variance, b = 0, d = variance;
@@ -464,13 +488,16 @@ function fixedCovariance({ rows, used, joined: [first, second] }, covariance, va
     b += x[k] * qh[k];
     d += y[k] * qh[k];
   }
-  const determinant = a * d - b * b;
+  // With L Lᵀ the innovation's covariance, what is learnt is W Wᵀ, W = P hᵀ L⁻ᵀ: symmetric to the bit.
+  const root = Math.sqrt(a), beside = b / root, rootOther = Math.sqrt(d - beside * beside);
+  for (let j = 0; j < insSize; ++j) {
+    ph[j] /= root;
+    qh[j] = (qh[j] - beside * ph[j]) / rootOther;
+  }
   const after = new Float64Array(insSize * insSize);
-  for (let i = 0; i < insSize; ++i) {
-    const gain = (d * ph[i] - b * qh[i]) / determinant, gainOther = (a * qh[i] - b * ph[i]) / determinant;
-    for (let j = 0; j <= i; ++j) {
-      after[insSize * i + j] = after[insSize * j + i] = covariance[insSize * i + j] - gain * ph[j] - gainOther * qh[j];
-    }
+  for (let n = 0, i = 0; i < insSize; ++i) {
+    const learnt = ph[i], learntOther = qh[i];
+    for (let j = 0; j < insSize; ++j, ++n) after[n] = covariance[n] - (learnt * ph[j] + learntOther * qh[j]);
   }
   return after;
 }

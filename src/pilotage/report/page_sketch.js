@@ -1,5 +1,4 @@
 // A route drawn on the map: points that are dragged, legs with a handle in the middle, the prediction beside it.
-const noShift = { middle: 0, low: 0, high: 0 };
 // `predicted` is of `flight`, `about`: at once, from few samples; `run` tells whether an answer is still asked for.
 const sketch = { points: [], history: [], drawing: false, run: 0, timer: 0, frame: 0, predicted: null, flight: null, about: false, pointer: null,
   shift: noShift };
@@ -233,25 +232,6 @@ function saySketch(predicted, flight, about) {
     ' · ' + lengthWords(flight.length_m), status);
   if (layers.sketch) layers.sketch.redraw();
 }
-// What wind, and whatever else an answer at once leaves out, did to the last answer in full: a shift of the logit of each share.
-const logitOf = (p) => Math.log(p / (1 - p));
-function shiftBetween(about, full) {
-  const shift = logitOf(Math.min(1 - 1e-6, Math.max(1e-6, full))) - logitOf(Math.min(1 - 1e-6, Math.max(1e-6, about)));
-  return Number.isFinite(shift) ? shift : 0;
-}
-const shifted = (p, shift) => (p <= 0 || p >= 1 ? p : 1 / (1 + Math.exp(-(logitOf(p) + shift))));
-function shiftShares(predicted, { middle, low, high }) {
-  const route = predicted.probability;
-  const p = shifted(route.p_within_limit, middle);
-  const interval = route.interval && { low: Math.min(p, shifted(route.interval.low, low)), high: Math.max(p, shifted(route.interval.high, high)) };
-  return { ...predicted, probability: { ...route, p_within_limit: p, interval },
-    profile: predicted.profile.map((sample) => ({ ...sample, p_within_limit: shifted(sample.p_within_limit, middle) })) };
-}
-function learnShift(about, full) {
-  const [a, b] = [about.probability, full.probability];
-  const ends = (name) => (a.interval && b.interval ? shiftBetween(a.interval[name], b.interval[name]) : 0);
-  sketch.shift = { middle: shiftBetween(a.p_within_limit, b.p_within_limit), low: ends('low'), high: ends('high') };
-}
 // At once, from few samples and in calm; null where nothing can be asked.
 function answerAbout() {
   const settings = sketchSettings();
@@ -268,17 +248,14 @@ function answerAbout() {
   const work = predictFlight(flight, settings);
   let step = work.next();
   while (!step.done) step = work.next();
-  showSketch(shiftShares(step.value, sketch.shift), flight, settings, true);
-  return { points, settings, about: step.value };
+  const about = overAllLevels(step.value, sketchData);
+  showSketch(shiftShares(about, sketch.shift), flight, settings, true);
+  return { points, settings, about };
 }
 function showSketch(predicted, flight, settings, about) {
   if (!sketch.predicted) unfold($('sketch'));
   sketch.flight = flight;
-  sketch.predicted = judgeFlight(predicted, settings, toldOfSketch(flight));
-  if (about) {  // its interval is good to judge by, not to be read
-    sketch.predicted.probability.interval = null;
-    sketch.predicted.headline = headlineWords(sketch.predicted);
-  }
+  sketch.predicted = (about ? judgeAbout : judgeFlight)(predicted, settings, toldOfSketch(flight));
   sketch.about = about;
   saySketch(sketch.predicted, flight, about);
   drawSketchChart(sketch.predicted, flight);
@@ -297,7 +274,7 @@ async function askSketch() {
   const flight = flightOfSketch(asked.points, asked.settings, false);
   const predicted = await inSlices(predictFlight(flight, asked.settings), () => run !== sketch.run, () => {});
   if (predicted === null) return;
-  learnShift(asked.about, predicted);
+  sketch.shift = learnShift(asked.about.probability, predicted.probability);
   showSketch(predicted, flight, asked.settings, false);
 }
 // While a point is dragged: once a frame, in full when it rests.

@@ -105,19 +105,9 @@ function legOfSketch(from, to, step_m) {
   return sampledLegs.get(key);
 }
 
-// For an answer at once, while a point is dragged: calm, and three levels of the place in the proportion that keeps the mean and
-// the spread of all. The ends of the 80 % interval are two of them.
-function aboutChances() {
-  const calm = (levels) => levels.map((_, i) => [i, 1, 0, 0]);
-  const coarse = { most_branches: 3, least_share: 1e-5 };  // of flights that fixed at one place, 8 else; that are followed, 1e-9 else
-  if (sketchData.level_weights.length === 1) return { ...sketchData, cases: calm([0]), ...coarse };
-  const [low, high] = sketchData.level_interval;
-  const levels = [low, (low + high) / 2, high];
-  const outer = 0.5 / sketchData.level_z[high] ** 2;
-  return { ...sketchData, level_z: levels.map((level) => sketchData.level_z[level]), level_weights: [outer, 1 - 2 * outer, outer],
-    level_interval: [0, 2], cases: calm(levels), ...coarse };
-}
-const sketchAbout = sketchData && aboutChances();
+// For an answer at once, while a point is dragged.
+const sketchAbout = sketchData && aboutChances(sketchData);
+if (sketchAbout) sketchAbout.level_z = sketchAbout.levels.map((level) => sketchData.level_z[level]);
 
 const sketchStep_m = 10, mostSketchSamples = 2000;  // every 10 m, as the program looks at a route, up to 20 km
 // As few samples as an answer at once needs: one for each way over which tries fare alike, within bounds.

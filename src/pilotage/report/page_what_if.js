@@ -1,7 +1,7 @@
 // "What if": limit, inertial system, speed and interval between tries changed here; verdict and chart of the map as it is
 // built. The report's own verdict, map and tables stay, and so does what is printed.
 const whatIfData = data.what_if;  // null: nothing tells when a flight tries to fix
-const whatIf = { predicted: null, run: 0, trusted: null, timer: 0, planned: whatIfData &&
+const whatIf = { predicted: null, run: 0, trusted: null, about: null, timer: 0, planned: whatIfData &&
   { limit_m: whatIfData.max_error_m, model: whatIfData.models[0], speed_mps: null, interval_s: whatIfData.fix_interval_s } };
 
 // ---- Chart ----
@@ -125,10 +125,10 @@ function sayWhatIf(predicted, settings) {
   const changes = changesOf(settings).join('; ');
   $('what-if-verdict').hidden = false;
   $('what-if-verdict').className = statusNames[predicted.verdict];
-  $('what-if-word').textContent = 'What if: ' + verdictNames[predicted.verdict];
+  $('what-if-word').textContent = 'What if: ' + (predicted.about ? 'about ' : '') + verdictNames[predicted.verdict];
   $('what-if-word').className = 'badge ' + statusNames[predicted.verdict];
   $('what-if-changes').textContent = changes;
-  $('what-if-answer').textContent = headlineSentence(predicted);
+  $('what-if-answer').textContent = (predicted.about ? 'About: ' : '') + headlineSentence(predicted);
   $('what-if-detail').textContent = predicted.detail;
   $('what-if-assumes').textContent = predicted.assumptions;
   const sun = settings.speed_mps !== null && whatIfData.others.some((row) => row.name === 'flight_sun');
@@ -166,12 +166,23 @@ async function askWhatIf() {
   const run = ++whatIf.run;
   const isStale = () => run !== whatIf.run;
   const tell = (share) => { if (!whatIfData.anywhere) $('what-if-progress').value = share; };
-  const flight = readFlight(whatIfData);
   const settings = settingsAsked();
   if (settings === null) return forgetWhatIf('A number lies outside what is allowed: limit 1 to 10000 m, speed 0.1 to 1000 m/s, interval 0.01 to 3600 s.');
   if (!changesOf(settings).length) return forgetWhatIf('');
   $('what-if-state').textContent = 'Computing …';
   $('what-if-progress').hidden = false;
+  const flight = readFlight(whatIfData);
+  if (isLongWork(flight) && whatIf.trusted !== false) {
+    const work = aboutFlight(flight);
+    const answer = (asked) => inSlices(predictFlight(work, asked), isStale, tell);
+    whatIf.about = whatIf.about || await answer(whatIf.planned);
+    const about = whatIf.about && await answer(settings);
+    if (about === null) return null;
+    const shift = learnShift(overAllLevels(whatIf.about, whatIfData).probability, report.route.probability);
+    showAnswer(judgeAbout(shiftShares(overAllLevels(about, whatIfData), shift), settings, whatIfData), settings);
+    $('what-if-state').textContent = 'About, by three levels of the place in calm: P may be off by 0.1. Computing all ' + flight.chances.cases.length +
+      ' winds and levels …';
+  }
   if (whatIf.trusted === null) {
     const planned = await inSlices(predictFlight(flight, whatIf.planned), isStale, tell);
     if (planned === null) return null;
@@ -180,13 +191,18 @@ async function askWhatIf() {
   if (!whatIf.trusted) return forgetWhatIf('Not offered: for the settings of the report this page computes other numbers than the report has.');
   const predicted = await inSlices(predictFlight(flight, settings), isStale, tell);
   if (predicted === null) return null;
-  whatIf.predicted = judgeFlight(predicted, settings, whatIfData);
   $('what-if-state').textContent = '';
   $('what-if-progress').hidden = true;
-  sayWhatIf(whatIf.predicted, settings);
-  showFlight();
+  showAnswer(judgeFlight(predicted, settings, whatIfData), settings);
   return null;
 }
+function showAnswer(predicted, settings) {
+  whatIf.predicted = predicted;
+  sayWhatIf(predicted, settings);
+  showFlight();
+}
+// Where all flights take so long that one waits: samples times cases, of which a second does some 30,000.
+const isLongWork = (flight) => flight.chances !== null && !flight.anywhere && flight.count * flight.chances.cases.length > 60000;
 // Better inertial systems than what is planned, by the error that a minute in straight flight leaves.
 function betterSystems() {
   const drift_m = (model) => positionError_m(insPropagate(initialInsState(model, 0, plannedMps()), makeInsStep(60, 0, plannedMps(), model)), model);

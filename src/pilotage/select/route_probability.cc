@@ -19,7 +19,9 @@ namespace {
 constexpr double kLeastShare = 1e-9;
 constexpr double kSameError = 0.02;
 constexpr std::size_t kMostGroups = 8;
+constexpr double kRareShare = 0.01;
 constexpr double kSearchSigmas = 3;  // to each side of a prior
+constexpr double kLongestLeap_s = 10;
 
 // How far the branch's flights are off the line that their navigation holds them on: rms of an axis.
 double off_line_m(const FlightBranch& branch) {
@@ -39,10 +41,47 @@ double total_probability(const std::vector<FlightBranch>& branches) {
   return total;
 }
 
+// Steps flown again and again as one: what is the same for all flights is worked out once.
+class Leaps {
+ public:
+  explicit Leaps(const FlownSteps& steps) : steps_(steps) {}
+
+  // From sample i over `count` steps that are all alike.
+  const InsStep& over(std::size_t i, std::size_t count) {
+    const InsStep& step = steps_[i];
+    if (count == 1) return step;
+    if (index_ != steps_.index(i)) {
+      index_ = steps_.index(i);
+      InsState alike;
+      alike.heading_deg = step.heading_deg;
+      alike.speed_mps = step.speed_mps;
+      way_ = InsSpan(alike);
+      made_.clear();
+    }
+    while (made_.size() < count) {
+      way_.fly(step);
+      made_.push_back(way_.as_step());
+      made_.back().odometry = step.odometry;
+    }
+    return made_[count - 1];
+  }
+
+ private:
+  const FlownSteps& steps_;
+  std::optional<std::size_t> index_;  // of the step that `made_` repeats
+  InsSpan way_{InsState()};
+  std::vector<InsStep> made_;  // once, twice, …
+};
+
 // The flights of a stretch: their branches, whose states are those of the span's begin, and the span from there.
 struct StretchUnderWay {
   FlightStretch stretch;
   InsSpan span;
+  Leaps leaps;
+  // The way to the sample where the span ends from the last one at which errors were held against the limit.
+  std::size_t judged_at = 0;
+  InsSpan judged_span;    // the span as far as there; meaningless after one step
+  std::size_t count = 0;  // of samples behind that one; 0 at the stretch's first sample
 
   // Another span begins where the states are.
   void begin_span() {
@@ -55,6 +94,10 @@ struct StretchUnderWay {
   }
 };
 
+bool is_beyond(const FlightPath& path, const Eigen::Matrix2d& position_covariance_m2) {
+  return !(position_error_m(position_covariance_m2, path.model.sigma_multiple) <= path.max_error_m);
+}
+
 void see_positions(StretchUnderWay& flown) {
   const PositionAhead position = flown.span.position();
   for (FlightBranch& branch : flown.stretch.branches) {
@@ -62,15 +105,46 @@ void see_positions(StretchUnderWay& flown) {
   }
 }
 
-// Takes out the branches beyond the limit, and those that hold next to nothing.
-void lose_flights(const FlightPath& path, std::size_t sample, FlightStretch& stretch) {
+// At which of the samples behind the last one judged (1 … count) a state's error is first beyond the limit, as it is at
+// the last of them: in straight flight without GNSS errors grow.
+std::size_t first_beyond(const FlightPath& path, const InsState& state, StretchUnderWay& flown) {
+  std::size_t within = 0;
+  std::size_t beyond = flown.count;
+  while (beyond - within > 1) {
+    const std::size_t middle = (within + beyond) / 2;
+    const PositionAhead ahead(flown.leaps.over(flown.judged_at, middle));
+    const Eigen::Matrix2d covariance_m2 = flown.judged_span.position_after(ahead).covariance_m2(state.covariance);
+    (is_beyond(path, covariance_m2) ? beyond : within) = middle;
+  }
+  return beyond;
+}
+
+// Takes out the branches that have come beyond the limit, and those that hold next to nothing; says what is left at
+// each sample behind the last one judged.
+void lose_flights(const FlightPath& path, std::size_t sample, StretchUnderWay& flown) {
+  see_positions(flown);
+  FlightStretch& stretch = flown.stretch;
   const double least = kLeastShare * total_probability(stretch.branches);
+  const std::size_t first_loss = stretch.losses.size();
   std::erase_if(stretch.branches, [&](const FlightBranch& branch) {
-    const bool beyond =
-        !(position_error_m(branch.position_covariance_m2, path.model.sigma_multiple) <= path.max_error_m);
-    if (beyond) stretch.losses.push_back({branch.fix_sample, sample, branch.probability});
+    const bool beyond = is_beyond(path, branch.position_covariance_m2);
+    if (beyond) {
+      const std::size_t lost_at = flown.count == 0 ? sample : flown.judged_at + first_beyond(path, branch.state, flown);
+      stretch.losses.push_back({branch.fix_sample, lost_at, branch.probability});
+    }
     return beyond || branch.probability <= least;
   });
+  const auto lost = stretch.losses.begin() + static_cast<std::ptrdiff_t>(first_loss);
+  std::stable_sort(lost, stretch.losses.end(),
+                   [](const LostFlights& a, const LostFlights& b) { return a.lost_at < b.lost_at; });
+  const double left = total_probability(stretch.branches);
+  for (std::size_t i = sample - (flown.count == 0 ? 0 : flown.count - 1); i <= sample; ++i) {
+    double within = left;
+    for (auto loss = lost; loss != stretch.losses.end(); ++loss) within += loss->lost_at > i ? loss->probability : 0;
+    const double before = stretch.p_within_limit.empty() ? 1.0 : stretch.p_within_limit.back();
+    stretch.p_within_limit.push_back(std::min(before, within));  // sums are rounded
+  }
+  flown.judged_at = sample;
 }
 
 // A branch just after a fix, and its error a horizon later.
@@ -125,12 +199,33 @@ std::vector<FlightBranch> merge_alike(const FlightPath& path, const FlownSteps& 
   return merged;
 }
 
+// Branches that had their last fix together and of which each holds next to none of the flights become one.
+void join_rare(std::vector<FlightBranch>& branches) {
+  const double rare = kRareShare * total_probability(branches);
+  std::size_t joined = 0;
+  for (std::size_t i = 1; i < branches.size(); ++i) {
+    FlightBranch& last = branches[joined];
+    const FlightBranch& next = branches[i];
+    const bool together = last.fix_sample == next.fix_sample && last.window == next.window && same_draw(last, next);
+    if (together && last.probability < rare && next.probability < rare) {
+      last.probability += next.probability;
+      const double share = next.probability / last.probability;
+      last.state.covariance += share * (next.state.covariance - last.state.covariance);
+      last.position_covariance_m2 += share * (next.position_covariance_m2 - last.position_covariance_m2);
+    } else if (++joined != i) {
+      branches[joined] = next;
+    }
+  }
+  branches.resize(std::min(branches.size(), joined + 1));
+}
+
 // Parts of all branches get a fix at the sample and become new branches.
 void take_fix(const FlightPath& path, const FlownSteps& steps, const RouteChances& chances, std::size_t sample,
               StretchUnderWay& flown, std::vector<FlightBranch>* fixes) {
   const double p = path.frames_that_come * chances.p[sample];  // on the line
   FlightStretch& stretch = flown.stretch;
   if (!(p > 0) || stretch.branches.empty()) return;
+  join_rare(stretch.branches);
   const SpanFix fix(flown.span, path.model.fix_sigma_m);
   std::vector<FlightBranch> fixed;
   fixed.reserve(stretch.branches.size());
@@ -183,17 +278,33 @@ void take_gnss(const FlightPath& path, std::size_t sample, StretchUnderWay& flow
   flown.begin_span();
 }
 
-// One step on. The states become those there where the span must end, where the step has an aiding velocity, and where
-// the span becomes long.
-void fly_step(const InsStep& step, bool ends_span, StretchUnderWay& flown) {
+// How many steps on from sample i the next thing happens: a try, a change of GNSS, another kind of step, the stretch's
+// last sample.
+std::size_t steps_to_next(const FlightPath& path, const FlownSteps& steps, const RouteChances& chances, std::size_t i,
+                          std::size_t end) {
+  const auto had = [&](std::size_t k) { return path.gnss.over_step[k] || path.gnss.at_sample[k + 1]; };
+  if (steps[i].aided || had(i)) return 1;
+  std::size_t count = 1;
+  while (i + count + 1 < end && !(chances.p[i + count] > 0) && steps.index(i + count) == steps.index(i) &&
+         !had(i + count) && static_cast<double>(count + 1) * steps[i].dt_s <= kLongestLeap_s) {
+    ++count;
+  }
+  return count;
+}
+
+// `count` steps on from sample i. The states become those there where the span must end, and where the step has an
+// aiding velocity.
+void fly_on(const FlownSteps& steps, std::size_t i, std::size_t count, bool ends_span, StretchUnderWay& flown) {
+  flown.count = count;
   if (flown.stretch.branches.empty()) return;
-  if (step.aided || (ends_span && !flown.span.is_flown())) {
-    for (FlightBranch& branch : flown.stretch.branches) branch.state = propagate(branch.state, step);
+  if (steps[i].aided || (ends_span && !flown.span.is_flown())) {
+    for (FlightBranch& branch : flown.stretch.branches) branch.state = propagate(branch.state, steps[i]);
     flown.begin_span();
     return;
   }
-  flown.span.fly(step);
-  if (ends_span || flown.span.is_long()) flown.end_span();
+  if (count > 1) flown.judged_span = flown.span;
+  flown.span.fly(flown.leaps.over(i, count));
+  if (ends_span) flown.end_span();
 }
 
 // The value below which `share` of the weight of (value, weight) lies.
@@ -290,22 +401,22 @@ FlightStretch fly_stretch(const FlightPath& path, const FlownSteps& steps, const
                           std::size_t begin, std::size_t end, std::vector<FlightBranch> branches,
                           std::vector<FlightBranch>* fixes) {
   assert(end <= chances.p.size() && chances.p.size() == path.mission->flight.samples.size());
-  StretchUnderWay flown{{}, InsSpan(branches.empty() ? InsState() : branches.front().state)};
+  const InsSpan span(branches.empty() ? InsState() : branches.front().state);
+  StretchUnderWay flown{{}, span, Leaps(steps), begin, span};
   FlightStretch& stretch = flown.stretch;
   stretch.branches = std::move(branches);
   for (FlightBranch& branch : stretch.branches) branch.fixed_on_stretch = false;
-  for (std::size_t i = begin; i < end; ++i) {
-    see_positions(flown);
-    lose_flights(path, i, stretch);
-    const double before = stretch.p_within_limit.empty() ? 1.0 : stretch.p_within_limit.back();
-    stretch.p_within_limit.push_back(std::min(before, total_probability(stretch.branches)));  // sums are rounded
+  for (std::size_t i = begin; i < end; i += flown.count) {
+    lose_flights(path, i, flown);
+    if (flown.span.is_long()) flown.end_span();
     if (path.gnss.at_sample[i]) {
       take_gnss(path, i, flown);
       see_positions(flown);
     }
     take_fix(path, steps, chances, i, flown, fixes);
-    if (i >= steps.size()) continue;
-    fly_step(steps[i], i + 1 == end || path.gnss.over_step[i] || path.gnss.at_sample[i + 1], flown);
+    if (i >= steps.size()) break;
+    const std::size_t count = steps_to_next(path, steps, chances, i, end);
+    fly_on(steps, i, count, i + 1 == end || path.gnss.over_step[i] || path.gnss.at_sample[i + 1], flown);
     if (path.gnss.over_step[i]) take_gnss(path, i + 1, flown);
   }
   if (flown.span.is_flown()) flown.end_span();
