@@ -143,12 +143,12 @@ def about_first(page, pilotage, sample):
     state, word, answer, p = page.run("""const p = pilotage.whatIf.predicted;
       return [...['state', 'word', 'answer'].map((name) => document.getElementById('what-if-' + name).textContent),
               p.about && p.probability.interval === null ? p.probability.p_within_limit : null]""")
-    check("may be off by 0.1" in state, f"nothing says how good the first answer is: {state}")
+    check("may be off by 0.15" in state, f"nothing says how good the first answer is: {state}")
     check(word.startswith("What if: about ") and answer.startswith("About: "), f"the first answer is not marked: {word}, {answer}")
     page.wait(ANSWERED, "the answer in full")
     full, word = page.run("return [pilotage.whatIf.predicted.probability, document.getElementById('what-if-word').textContent]")
     check(full["interval"] and "about" not in word, f"the answer in full is {full}, {word}")
-    check(p is not None and abs(p - full["p_within_limit"]) <= 0.1, f"at once {p}, in full {full['p_within_limit']}")
+    check(p is not None and abs(p - full["p_within_limit"]) <= 0.15, f"at once {p}, in full {full['p_within_limit']}")
 
 
 def planned_stays(page, path):

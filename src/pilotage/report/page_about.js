@@ -22,17 +22,13 @@ function aboutFlight(flight) {
 
 const logitOf = (p) => Math.log(p / (1 - p));
 const sigmoidOf = (logit) => 1 / (1 + Math.exp(-logit));
-const surelyBetween = (p) => Math.min(1 - 1e-6, Math.max(1e-6, p));
+const notSure = (p, sure) => Math.min(1 - sure, Math.max(sure, p));
 const shifted = (p, shift) => (p <= 0 || p >= 1 ? p : sigmoidOf(logitOf(p) + shift));
-function shiftBetween(about, full) {
-  const shift = logitOf(surelyBetween(full)) - logitOf(surelyBetween(about));
-  return Number.isFinite(shift) ? shift : 0;
-}
 // An answer at three levels as one over all that are told: between the three the logit of P is a parabola, beyond them straight.
 function overAllLevels(predicted, told) {
   const route = predicted.probability;
   if (route.at_level.length !== 3) return predicted;
-  const [low, middle, high] = route.at_level.map((p) => logitOf(surelyBetween(p)));
+  const [low, middle, high] = route.at_level.map((p) => logitOf(notSure(p, 1e-6)));
   const slope = (high - low) / 2, bend = (high + low) / 2 - middle;
   const [first, last] = told.level_interval;
   const atLevel = (level) => {
@@ -41,13 +37,13 @@ function overAllLevels(predicted, told) {
     return sigmoidOf(there + Math.max(0, slope + 2 * bend * inside) * (from - inside));
   };
   const p = told.level_weights.reduce((sum, weight, level) => sum + weight * atLevel(level), 0);
-  const shift = shiftBetween(route.p_within_limit, p);
-  return shiftShares(predicted, { middle: shift, low: 0, high: 0 });
+  return shiftShares(predicted, { ...noShift, middle: logitOf(notSure(p, 1e-6)) - logitOf(notSure(route.p_within_limit, 1e-6)) });
 }
 
 // What wind, and whatever else an answer at once leaves out, does: a shift of the logit of each share, by what both answers say of
-// one flight.
+// one flight. Where that is nearly sure its logits say nothing of other flights'.
 const noShift = { middle: 0, low: 0, high: 0 };
+const shiftBetween = (about, full) => logitOf(notSure(full, 0.01)) - logitOf(notSure(about, 0.01));
 // `about`, `full`: p_within_limit, and the interval if there is one.
 function learnShift(about, full) {
   const ends = (name) => (about.interval && full.interval ? shiftBetween(about.interval[name], full.interval[name]) : 0);
@@ -57,14 +53,19 @@ function shiftShares(predicted, { middle, low, high }) {
   const route = predicted.probability;
   const p = shifted(route.p_within_limit, middle);
   const interval = route.interval && { low: Math.min(p, shifted(route.interval.low, low)), high: Math.max(p, shifted(route.interval.high, high)) };
-  return { ...predicted, probability: { ...route, p_within_limit: p, interval },
+  // Legs multiply to the route; where flights are lost, all that is lost is in proportion.
+  const power = p > 0 && p < 1 && route.p_within_limit > 0 && route.p_within_limit < 1 ? Math.log(p) / Math.log(route.p_within_limit) : 1;
+  const lost = (share) => (share === null || route.p_within_limit === 1 ? share : Math.min(1, share * (1 - p) / (1 - route.p_within_limit)));
+  const losing = (stretch) => stretch && { ...stretch, p_first_excess: lost(stretch.p_first_excess) };
+  return { ...predicted, probability: { ...route, p_within_limit: p, interval, worst: losing(route.worst) }, gaps: predicted.gaps.map(losing),
+    legs: predicted.legs.map((leg) => ({ ...leg, p_within_limit: leg.p_within_limit && leg.p_within_limit ** power })),
     profile: predicted.profile.map((sample) => ({ ...sample, p_within_limit: shifted(sample.p_within_limit, middle) })) };
 }
 // Judged, but its interval is good to judge by, not to be read.
 function judgeAbout(predicted, settings, told) {
   const judged = judgeFlight(predicted, settings, told);
   judged.probability.interval = null;
-  judged.headline = headlineWords(judged);
   judged.about = true;
+  sayVerdict(judged);
   return judged;
 }

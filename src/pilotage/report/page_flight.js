@@ -219,14 +219,14 @@ function firstFlights(path) {
   const { covariance, ...instant } = insAtStart(path);
   return { instant, branches: [{ fixSample: 0, probability: 1, covariance, fixTime_s: -Infinity, window: -1, low: 0, high: 1 }] };
 }
-const longestLeap_s = 10, rareShare = 0.01;
+const longestLeap_s = 10, rareShare = 0.001;
 // At which of the samples behind the last one judged an error is first beyond the limit, as it is at the last of them.
-function firstBeyond(path, covariance, { judged: { span, leap }, count }) {
+function firstBeyond(path, covariance, { judged: { span, instant, leap }, count }) {
   let within = 0, beyond = count;
   while (beyond - within > 1) {
     const middle = (within + beyond) >> 1;
-    const { rows, added } = positionAhead(leap(middle));
-    if (errorOf_m(formVariances(spanForm(span, rows, added), covariance), path.model) <= path.limit_m) within = middle; else beyond = middle;
+    const position = spanForm(flySpan(span, instant, leap(middle)), insPositionRows);  // with the manoeuvre there, if there is one
+    if (errorOf_m(formVariances(position, covariance), path.model) <= path.limit_m) within = middle; else beyond = middle;
   }
   return beyond;
 }
@@ -251,7 +251,7 @@ function loseFlights(path, sample, stretch) {
     const before = stretch.p_within_limit.length ? stretch.p_within_limit[stretch.p_within_limit.length - 1] : 1;
     stretch.p_within_limit.push(Math.min(before, within));
   }
-  stretch.losses.push(...lost);
+  stretch.losses.push(...lost.sort((a, b) => a.lostAt - b.lostAt));
 }
 const sameDraw = (a, b) => a.low === b.low && a.high === b.high;
 // Branches that had their last fix together and of which each holds next to none of the flights become one.
@@ -260,7 +260,7 @@ function joinRare(branches) {
   const joined = branches.slice(0, 1);
   for (const next of branches.slice(1)) {
     const last = joined[joined.length - 1];
-    const together = last.fixSample === next.fixSample && last.window === next.window && sameDraw(last, next);
+    const together = last.fixSample === next.fixSample && last.fixTime_s === next.fixTime_s && last.window === next.window && sameDraw(last, next);
     if (!together || !(last.probability < rare && next.probability < rare)) {
       joined.push(next);
       continue;
@@ -351,12 +351,14 @@ function flyOn(steps, i, count, lastOfSpan, stretch) {
   const { instant, span } = stretch;
   let step = steps.step(i);
   stretch.count = count;
-  if (span.atFirst && lastOfSpan || step.aided) {
+  if (stretch.branches.length === 0) {
+    step = { ...step, time_s: count * step.time_s };
+  } else if ((span.atFirst && lastOfSpan) || step.aided) {
     for (const branch of stretch.branches) branch.covariance = insPropagate({ ...instant, covariance: branch.covariance }, step).covariance;
   } else {
     if (stretch.index !== steps.index(i)) Object.assign(stretch, { index: steps.index(i), leap: leapsOf(step) });
     step = stretch.leap(count);
-    stretch.judged = { span, leap: stretch.leap };
+    stretch.judged = { span, instant, leap: stretch.leap };
     stretch.span = flySpan(span, instant, step);
     if (lastOfSpan) endSpan(stretch);
   }
@@ -564,8 +566,11 @@ function* predictFlight(planned, settings) {
 // Runs a generator in slices of 30 ms, so that the page stays alive, and tells how far it is; null once `isStale`. The next slice
 // comes by a message: browsers hold timers back.
 async function inSlices(work, isStale, tell) {
-  const { port1, port2 } = new MessageChannel();
-  const comeBack = () => new Promise((go) => { port1.onmessage = go; port2.postMessage(null); });
+  const comeBack = () => new Promise((go) => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = () => { port1.close(); go(); };
+    port2.postMessage(null);
+  });
   for (;;) {
     const end = performance.now() + 30;
     let told;

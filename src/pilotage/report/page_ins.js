@@ -333,10 +333,14 @@ function positionAhead(step) {
 // of which a position asks for two rows. A fix changes C as if it were measured with h Ψ, where Ψ⁻¹ Q hᵀ joins its C Ψᵀ hᵀ.
 const insPositionRows = [0, 1].map((i) => Float64Array.from({ length: insSize }, (_, k) => (k === insState.position + i ? 1 : 0)));
 const insFixRows = [0, 1].map((i) => Float64Array.from({ length: insSize }, (_, k) => (k === insState.position + i) - (k === insState.map + i)));
-const insLongestSpan_s = 60, insLeastOfMap = 1e-3;  // beyond which digits are lost
+const insLongestSpan_s = 60, insLeastDecay = 1e-3;  // beyond which digits are lost
 
 const newSpan = () => ({ atFirst: true, time_s: 0, transition: insIdentity(), noise: new Float64Array(insSize * insSize) });
-const isLongSpan = (span) => span.time_s > insLongestSpan_s || span.transition[insIndex(insState.map, insState.map)] < insLeastOfMap;
+function isLongSpan({ time_s, transition }) {
+  let least = 1;
+  for (let i = insState.accelBias; i < insSize; ++i) least = Math.min(least, transition[insIndex(i, i)]);
+  return time_s > insLongestSpan_s || least < insLeastDecay;
+}
 
 function insTimes(matrix, vector) {
   const product = new Float64Array(insSize);
@@ -362,7 +366,7 @@ function insAddedBy([x, y], noise) {
   }
   return [a, b, d];
 }
-// The span one step longer; `before` has heading and speed of the step before.
+// The span, as it would be one step longer; `before` has heading and speed of the step before.
 function flySpan(span, before, step) {
   let transition = new Float64Array(span.transition), noise = new Float64Array(span.noise);
   insManoeuvre(transition, before, step.heading_deg, step.speed_mps, step.odometry, [addRow]);
@@ -381,7 +385,7 @@ function flySpan(span, before, step) {
   }
   return { atFirst: false, time_s: span.time_s + step.time_s, transition, noise };
 }
-// A step flown again and again as one: `leap(count)`; the position after one, for spanForm.
+// A step flown so many times as one.
 function leapsOf(step) {
   const made = [step];
   let span = null;

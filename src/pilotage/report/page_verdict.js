@@ -144,6 +144,11 @@ function assumptionWords(predicted, settings, told) {
   return 'assumes: ' + settings.model.text + ', ' + gnss + ', limit ' + errorWords(settings.limit_m) + (limit_default ? ' (default)' : '') +
     told.assumes.further;
 }
+function sayVerdict(predicted) {
+  predicted.headline = headlineWords(predicted);
+  predicted.text = (predicted.about ? 'about ' : '') + verdictNames[predicted.verdict] + ': ' +
+    (predicted.probability ? predicted.headline + '; ' : '') + predicted.detail;
+}
 // Adds statuses, verdict and words to a prediction.
 function judgeFlight(predicted, settings, told) {
   predicted.largest_error_m = Math.max(...[predicted.profile, predicted.gaps].map((all) => all.reduce((most, one) => Math.max(most, one.error_m), 0)));
@@ -152,9 +157,8 @@ function judgeFlight(predicted, settings, told) {
   const rows = decidingRows(predicted, settings.model, told);
   const verdict = Math.max(...rows.map((row) => row[3]));
   predicted.verdict = verdict;
-  predicted.headline = headlineWords(predicted);
   predicted.detail = detailWords(predicted, rows, verdict, told);
-  predicted.text = verdictNames[verdict] + ': ' + (predicted.probability ? predicted.headline + '; ' : '') + predicted.detail;
+  sayVerdict(predicted);
   predicted.assumptions = assumptionWords(predicted, settings, told);
   return predicted;
 }

@@ -1,7 +1,7 @@
 // "What if": limit, inertial system, speed and interval between tries changed here; verdict and chart of the map as it is
 // built. The report's own verdict, map and tables stay, and so does what is printed.
 const whatIfData = data.what_if;  // null: nothing tells when a flight tries to fix
-const whatIf = { predicted: null, run: 0, trusted: null, about: null, timer: 0, planned: whatIfData &&
+const whatIf = { predicted: null, run: 0, trusted: null, plannedAbout: null, timer: 0, planned: whatIfData &&
   { limit_m: whatIfData.max_error_m, model: whatIfData.models[0], speed_mps: null, interval_s: whatIfData.fix_interval_s } };
 
 // ---- Chart ----
@@ -133,7 +133,7 @@ function sayWhatIf(predicted, settings) {
   $('what-if-assumes').textContent = predicted.assumptions;
   const sun = settings.speed_mps !== null && whatIfData.others.some((row) => row.name === 'flight_sun');
   $('what-if-sun').hidden = !sun;
-  $('what-if-chart-words').textContent = 'What if: ' + changes + '. ' + verdictNames[predicted.verdict] + ', predicted in this page; the report itself says ' +
+  $('what-if-chart-words').textContent = 'What if: ' + changes + '. ' + (predicted.about ? 'About ' : '') + verdictNames[predicted.verdict] + ', predicted in this page; the report itself says ' +
     document.querySelector('.verdict .word').textContent + '. Dotted: the report\'s prediction.';
 }
 function resetWhatIf() {
@@ -162,6 +162,13 @@ function sameAsReport(predicted) {
   return near(predicted.largest_error_m, report.route.largest_error_m, 1e-5) && (route === null) === (predicted.probability === null) &&
     (route === null || near(predicted.probability.p_within_limit, route.p_within_limit, 1e-5));
 }
+// Whether an answer at once to what is planned is so near to the report that those to other settings may be shown before all flights
+// are held against it.
+function isLikeReport(about) {
+  const { largest_error_m, probability } = judgeFlight(about, whatIf.planned, whatIfData);
+  return Math.abs(largest_error_m - report.route.largest_error_m) <= 1e-3 * Math.max(1, report.route.largest_error_m) &&
+    Math.abs(probability.p_within_limit - report.route.probability.p_within_limit) <= 0.25;
+}
 async function askWhatIf() {
   const run = ++whatIf.run;
   const isStale = () => run !== whatIf.run;
@@ -174,14 +181,19 @@ async function askWhatIf() {
   const flight = readFlight(whatIfData);
   if (isLongWork(flight) && whatIf.trusted !== false) {
     const work = aboutFlight(flight);
-    const answer = (asked) => inSlices(predictFlight(work, asked), isStale, tell);
-    whatIf.about = whatIf.about || await answer(whatIf.planned);
-    const about = whatIf.about && await answer(settings);
+    const answer = async (asked) => {
+      const about = await inSlices(predictFlight(work, asked), isStale, tell);
+      return about && overAllLevels(about, whatIfData);
+    };
+    whatIf.plannedAbout = whatIf.plannedAbout || await answer(whatIf.planned);
+    const about = whatIf.plannedAbout && await answer(settings);
     if (about === null) return null;
-    const shift = learnShift(overAllLevels(whatIf.about, whatIfData).probability, report.route.probability);
-    showAnswer(judgeAbout(shiftShares(overAllLevels(about, whatIfData), shift), settings, whatIfData), settings);
-    $('what-if-state').textContent = 'About, by three levels of the place in calm: P may be off by 0.1. Computing all ' + flight.chances.cases.length +
-      ' winds and levels …';
+    if (isLikeReport(whatIf.plannedAbout)) {
+      const shift = learnShift(whatIf.plannedAbout.probability, report.route.probability);
+      showAnswer(judgeAbout(shiftShares(about, shift), settings, whatIfData), settings);
+      $('what-if-state').textContent = 'About, by few of the winds and levels of the place: P may be off by 0.15. Computing all ' +
+        flight.chances.cases.length + ' …';
+    }
   }
   if (whatIf.trusted === null) {
     const planned = await inSlices(predictFlight(flight, whatIf.planned), isStale, tell);

@@ -16,8 +16,7 @@
 namespace pilotage {
 namespace {
 
-constexpr double kSampleStep_m = 10;      // as plan_tiles
-constexpr double kLeastShareOfWay = 0.2;  // between the ends of what moves; below it the route is a loop
+constexpr double kSampleStep_m = 10;  // as plan_tiles
 constexpr double kLeastImagery = 0.5;
 constexpr double kLowestShareOfAgl = 0.8;  // of the planned height above ground, before a waypoint is put in
 constexpr int kMostHeightPoints = 32;
@@ -129,14 +128,6 @@ void LineFinder::place_anchors() {
     const std::string which = runs_.size() == 1 ? "the" : "moved stretch " + std::to_string(i + 1) + ": its";
     refuse_bad_end(from, which + " start");
     refuse_bad_end(to, which + " end");
-    const double apart_m = (to.point_map_m - from.point_map_m).norm();
-    if (apart_m < kLeastShareOfWay * (to.distance_m - from.distance_m)) {
-      throw DataError("legs " + std::to_string(runs_[i].first + 1) + " to " + std::to_string(runs_[i].last + 1) +
-                      " of " + planned_.name + ", " + format_fixed((to.distance_m - from.distance_m) / 1000, 2) +
-                      " km, lead back to " + format_fixed(apart_m, 0) +
-                      " m from where they begin, so that the cheapest line would leave the mission out; keep every "
-                      "waypoint (--keep-waypoints), or some legs (--keep)");
-    }
     anchors_m_.push_back(from.point_map_m);
     anchors_m_.push_back(to.point_map_m);
   }

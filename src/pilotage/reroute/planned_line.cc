@@ -19,6 +19,7 @@ namespace pilotage {
 namespace {
 
 constexpr double kSamePoint_m = 1;
+constexpr double kLeastShareOfWay = 0.2;  // between the ends of what moves; below it the route is a loop
 
 GeodeticPoint point_of(const std::vector<double>& lon_lat, const char* option) {
   if (lon_lat.size() != 2) {
@@ -57,6 +58,23 @@ std::vector<bool> kept_legs(const LineOptions& options, const Route& route) {
                      "pattern); there is nothing that may move");
   }
   return kept;
+}
+
+void refuse_loops(const PlannedLine& planned, bool keep_waypoints) {
+  const Route& route = planned.route;
+  for (const MovableRun& run : movable_runs(planned.kept, keep_waypoints)) {
+    double way_m = 0;
+    for (std::size_t leg = run.first; leg <= run.last; ++leg) way_m += route.legs[leg].length_m;
+    const RouteVertex& from = route.vertices[static_cast<std::size_t>(route.legs[run.first].from)];
+    const RouteVertex& to = route.vertices[static_cast<std::size_t>(route.legs[run.last].to)];
+    const double apart_m = geodesic_between(from.point, to.point).length_m;
+    if (apart_m >= kLeastShareOfWay * way_m) continue;
+    throw DataError("legs " + std::to_string(run.first + 1) + " to " + std::to_string(run.last + 1) + " of " +
+                    planned.name + ", " + format_fixed(way_m / 1000, 2) + " km, lead back to " +
+                    format_fixed(apart_m, 0) +
+                    " m from where they begin, so that the cheapest line would leave the mission out; keep every "
+                    "waypoint (--keep-waypoints), or some legs (--keep)");
+  }
 }
 
 }  // namespace
@@ -111,6 +129,7 @@ PlannedLine read_planned_line(const TileOptions& options, const LineOptions& lin
   }
   require_one_line(planned.route);
   planned.kept = kept_legs(line, planned.route);
+  refuse_loops(planned, line.keep_waypoints);
   return planned;
 }
 

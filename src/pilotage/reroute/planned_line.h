@@ -34,7 +34,8 @@ nlohmann::ordered_json plan_of_points(const LineOptions& line, const RouteOption
 TileOptions options_for_plan(TileOptions options, const std::filesystem::path& plan);
 
 /// `route`, read from options.route, as a plan: its own, or one made of it; items that such a plan cannot hold are told
-/// in `notes`. Throws UsageError for legs to keep that are none, or all; DataError for a route that is not one line.
+/// in `notes`. Throws UsageError for legs to keep that are none, or all; DataError for a route that is not one line,
+/// and for legs that may move and lead back to where they begin, whose cheapest line would leave the mission out.
 PlannedLine read_planned_line(const TileOptions& options, const LineOptions& line, const Route& route,
                               std::vector<std::string>& notes);
 

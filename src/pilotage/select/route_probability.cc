@@ -19,7 +19,7 @@ namespace {
 constexpr double kLeastShare = 1e-9;
 constexpr double kSameError = 0.02;
 constexpr std::size_t kMostGroups = 8;
-constexpr double kRareShare = 0.01;
+constexpr double kRareShare = 0.001;
 constexpr double kSearchSigmas = 3;  // to each side of a prior
 constexpr double kLongestLeap_s = 10;
 
@@ -78,10 +78,9 @@ struct StretchUnderWay {
   FlightStretch stretch;
   InsSpan span;
   Leaps leaps;
-  // The way to the sample where the span ends from the last one at which errors were held against the limit.
-  std::size_t judged_at = 0;
-  InsSpan judged_span;    // the span as far as there; meaningless after one step
-  std::size_t count = 0;  // of samples behind that one; 0 at the stretch's first sample
+  std::size_t judged_at = 0;  // the last sample at which errors were held against the limit
+  InsSpan judged_span;        // the span as far as there; kept where more than one step is flown on
+  std::size_t count = 0;      // steps flown since; 0 at the stretch's first sample
 
   // Another span begins where the states are.
   void begin_span() {
@@ -112,9 +111,9 @@ std::size_t first_beyond(const FlightPath& path, const InsState& state, StretchU
   std::size_t beyond = flown.count;
   while (beyond - within > 1) {
     const std::size_t middle = (within + beyond) / 2;
-    const PositionAhead ahead(flown.leaps.over(flown.judged_at, middle));
-    const Eigen::Matrix2d covariance_m2 = flown.judged_span.position_after(ahead).covariance_m2(state.covariance);
-    (is_beyond(path, covariance_m2) ? beyond : within) = middle;
+    InsSpan span = flown.judged_span;
+    span.fly(flown.leaps.over(flown.judged_at, middle));  // with the manoeuvre there, if there is one
+    (is_beyond(path, span.position().covariance_m2(state.covariance)) ? beyond : within) = middle;
   }
   return beyond;
 }
@@ -206,7 +205,8 @@ void join_rare(std::vector<FlightBranch>& branches) {
   for (std::size_t i = 1; i < branches.size(); ++i) {
     FlightBranch& last = branches[joined];
     const FlightBranch& next = branches[i];
-    const bool together = last.fix_sample == next.fix_sample && last.window == next.window && same_draw(last, next);
+    const bool together = last.fix_sample == next.fix_sample && last.fix_time_s == next.fix_time_s &&
+                          last.window == next.window && same_draw(last, next);
     if (together && last.probability < rare && next.probability < rare) {
       last.probability += next.probability;
       const double share = next.probability / last.probability;

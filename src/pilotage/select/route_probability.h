@@ -81,9 +81,9 @@ std::vector<FlightBranch> first_branches(const FlightPath& path);
 /// Forward recursion over "last fix at sample i" and what is known of the window's draw, exact for the probabilities.
 /// What the fixes before i taught the filter matters, too: the branches that come to a fix at i are sorted by the error
 /// they would have a horizon later, and those within 2 % of each other become one, with the mean of their covariances
-/// weighted by probability (at most 8 groups; the 2 % are doubled until there are no more). So do those of one fix of
-/// which each holds less than 1 % of the flights, once they have come to another try. Merging is that of the
-/// generalised pseudo-Bayesian filter (G. Ackerson, K. Fu, On state estimation in switching environments, IEEE Trans.
+/// weighted by probability (at most 8 groups; the 2 % are doubled until there are no more). So do neighbours of one fix
+/// of which each holds less than 0.1 % of the flights still within, once they have come to another try. Merging is the
+/// generalised pseudo-Bayesian filter's (G. Ackerson, K. Fu, On state estimation in switching environments, IEEE Trans.
 /// Automatic Control 15(1), 1970). Because the update with a fix is concave in the covariance, what is carried is never
 /// below the mean covariance of the flights it stands for (as B. Sinopoli et al., Kalman filtering with intermittent
 /// observations, IEEE Trans. Automatic Control 49(9), 2004). Branches that hold less than 1e-9 of the flights count as
@@ -94,8 +94,8 @@ std::vector<FlightBranch> first_branches(const FlightPath& path);
 /// lost. That it may be refused is not counted on.
 ///
 /// Between changes of GNSS the covariances are not flown sample by sample (ins/ins_span.h), and errors are held against
-/// the limit where something happens: at tries, and else every 10 s at most. Where one has come beyond it, the sample
-/// is looked for at which it did; in straight flight errors are taken to grow.
+/// the limit where something happens: at tries, and else when alike steps have taken 10 s. Where one has come beyond
+/// it, the sample is looked for at which it did; between, errors are taken to grow.
 ///
 /// `fixes`, if not null, gets the branches right after the fix that made them, by sample.
 FlightStretch fly_stretch(const FlightPath& path, const FlownSteps& steps, const RouteChances& chances,
