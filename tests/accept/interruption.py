@@ -85,7 +85,7 @@ def commands(large_map):
         "update": ["update", "map.gpkg", "second.gpkg.delta", "-o", "new.gpkg"],
         "survey": ["survey", "ortho.tif", "--elevation", "elevation.tif", "--camera-hfov-deg", "73.7", "--camera-width-px", "1000",
                    "--camera-height-px", "562", "--agl-m", "60", "-o", "new"],
-        "reroute": ["reroute", "mission.json", "--max-error-m", "45", "-o", "new.plan"],
+        "reroute": ["reroute", "mission.json", "--keep-waypoints", "--max-error-m", "45", "-o", "new.plan"],
         "match": ["match", "map.gpkg", *frames, "-o", "new.csv"],
         "match, wide": ["match", "map.gpkg", *frames, "--search-sigmas", "10", "--height-sigma-fraction", "0.1", "-o", "new.csv"],
         "verify": ["verify", "map.gpkg"],
