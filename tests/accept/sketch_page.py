@@ -18,7 +18,7 @@ if missing_programs():
     sys.exit(SKIP)
 
 AGREES = 0.01  # of P, page against program
-ANSWERED = """return pilotage.sketch.predicted !== null && !pilotage.sketch.about && document.getElementById('sketch-state').textContent === ''"""
+ANSWERED = """return pilotage.sketch.predicted !== null && !pilotage.sketch.predicted.about && document.getElementById('sketch-state').textContent === ''"""
 TOLD = """const { predicted: p, flight: f } = pilotage.sketch; return {p: p.probability.p_within_limit, interval: p.probability.interval,
 verdict: p.verdict, largest_error_m: p.largest_error_m, length_m: f.length_m, matchable: f.matchable_fraction, unknown_m: f.unknown_m,
 word: document.getElementById('sketch-word').textContent, answer: document.getElementById('sketch-answer').textContent,

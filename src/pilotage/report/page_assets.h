@@ -7,8 +7,7 @@ namespace pilotage::page_assets {
 
 std::string_view page_html();
 std::string_view page_css();
-std::string_view page_head_html();  ///< Of every page.
-std::string_view page_about_js();
+std::string_view page_head_html();        ///< Of every page.
 std::string_view page_appearance_html();  ///< Of every page: light, dark, sunlight.
 std::string_view map_row_html();          ///< Of both pages: the map, the tile looked at, and what is set beside it.
 std::string_view sketch_html();           ///< The section of both pages in which a route is drawn.
@@ -27,6 +26,7 @@ std::string_view page_seen_js();
 std::string_view page_ins_js();
 std::string_view page_flight_js();
 std::string_view page_verdict_js();
+std::string_view page_about_js();
 std::string_view page_what_if_js();
 std::string_view page_geodesic_js();
 std::string_view page_sketch_flight_js();

@@ -368,9 +368,13 @@ function insAddedBy([x, y], noise) {
 }
 // The span, as it would be one step longer; `before` has heading and speed of the step before.
 function flySpan(span, before, step) {
-  let transition = new Float64Array(span.transition), noise = new Float64Array(span.noise);
-  insManoeuvre(transition, before, step.heading_deg, step.speed_mps, step.odometry, [addRow]);
-  insManoeuvre(noise, before, step.heading_deg, step.speed_mps, step.odometry);
+  let { transition, noise } = span;
+  if (step.heading_deg !== before.heading_deg || step.speed_mps !== before.speed_mps) {
+    transition = new Float64Array(transition);
+    noise = new Float64Array(noise);
+    insManoeuvre(transition, before, step.heading_deg, step.speed_mps, step.odometry, [addRow]);
+    insManoeuvre(noise, before, step.heading_deg, step.speed_mps, step.odometry);
+  }
   for (let part = 0; part < step.parts; ++part) {
     const next = new Float64Array(insSize * insSize);
     for (let i = 0; i < insSize; ++i) {

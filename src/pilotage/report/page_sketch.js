@@ -1,6 +1,6 @@
 // A route drawn on the map: points that are dragged, legs with a handle in the middle, the prediction beside it.
-// `predicted` is of `flight`, `about`: at once, from few samples; `run` tells whether an answer is still asked for.
-const sketch = { points: [], history: [], drawing: false, run: 0, timer: 0, frame: 0, predicted: null, flight: null, about: false, pointer: null,
+// `predicted` is of `flight`; `run` tells whether an answer is still asked for.
+const sketch = { points: [], history: [], drawing: false, run: 0, timer: 0, frame: 0, predicted: null, flight: null, pointer: null,
   shift: noShift };
 
 // ---- Settings ----
@@ -211,7 +211,8 @@ function heightWords() {
 }
 // What is outside the tiles is not known, and counts as ground without fixes: P is at least what is said, and only GO is a verdict.
 const isKnown = (predicted, flight) => !(flight.unknown_m > 0) || predicted.verdict === 0;
-function saySketch(predicted, flight, about) {
+function saySketch(predicted, flight) {
+  const { about } = predicted;
   const known = isKnown(predicted, flight);
   const status = known ? statusNames[predicted.verdict] : 'unknown';
   const word = known ? verdictNames[predicted.verdict] : 'NOT KNOWN';
@@ -256,8 +257,7 @@ function showSketch(predicted, flight, settings, about) {
   if (!sketch.predicted) unfold($('sketch'));
   sketch.flight = flight;
   sketch.predicted = (about ? judgeAbout : judgeFlight)(predicted, settings, toldOfSketch(flight));
-  sketch.about = about;
-  saySketch(sketch.predicted, flight, about);
+  saySketch(sketch.predicted, flight);
   drawSketchChart(sketch.predicted, flight);
   if (!about) fitChart();
   sayCommands(sketch.predicted, flight);

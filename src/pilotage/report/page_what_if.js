@@ -155,19 +155,14 @@ function forgetWhatIf(words) {
 }
 
 // ---- Work ----
-// The page's prediction of what is planned is the report's, but for the last digits: else nothing is offered.
-function sameAsReport(predicted) {
-  const near = (a, b, share) => Math.abs(a - b) <= share * Math.max(1, Math.abs(b));
+// Whether the page's prediction of what is planned is the report's: but for the last digits, else nothing is offered; by an answer at
+// once but for what that leaves out, else it is not shown before all flights are held against the report.
+function sameAsReport(predicted, most_p_apart) {
+  const near = (a, b, apart) => Math.abs(a - b) <= apart * Math.max(1, Math.abs(b));
+  const judged = judgeFlight(predicted, whatIf.planned, whatIfData);
   const route = report.route.probability;
-  return near(predicted.largest_error_m, report.route.largest_error_m, 1e-5) && (route === null) === (predicted.probability === null) &&
-    (route === null || near(predicted.probability.p_within_limit, route.p_within_limit, 1e-5));
-}
-// Whether an answer at once to what is planned is so near to the report that those to other settings may be shown before all flights
-// are held against it.
-function isLikeReport(about) {
-  const { largest_error_m, probability } = judgeFlight(about, whatIf.planned, whatIfData);
-  return Math.abs(largest_error_m - report.route.largest_error_m) <= 1e-3 * Math.max(1, report.route.largest_error_m) &&
-    Math.abs(probability.p_within_limit - report.route.probability.p_within_limit) <= 0.25;
+  return near(judged.largest_error_m, report.route.largest_error_m, 1e-5) && (route === null) === (judged.probability === null) &&
+    (route === null || near(judged.probability.p_within_limit, route.p_within_limit, most_p_apart));
 }
 async function askWhatIf() {
   const run = ++whatIf.run;
@@ -188,7 +183,7 @@ async function askWhatIf() {
     whatIf.plannedAbout = whatIf.plannedAbout || await answer(whatIf.planned);
     const about = whatIf.plannedAbout && await answer(settings);
     if (about === null) return null;
-    if (isLikeReport(whatIf.plannedAbout)) {
+    if (sameAsReport(whatIf.plannedAbout, 0.25)) {
       const shift = learnShift(whatIf.plannedAbout.probability, report.route.probability);
       showAnswer(judgeAbout(shiftShares(about, shift), settings, whatIfData), settings);
       $('what-if-state').textContent = 'About, by few of the winds and levels of the place: P may be off by 0.15. Computing all ' +
@@ -198,7 +193,7 @@ async function askWhatIf() {
   if (whatIf.trusted === null) {
     const planned = await inSlices(predictFlight(flight, whatIf.planned), isStale, tell);
     if (planned === null) return null;
-    whatIf.trusted = sameAsReport(judgeFlight(planned, whatIf.planned, whatIfData));
+    whatIf.trusted = sameAsReport(planned, 1e-5);
   }
   if (!whatIf.trusted) return forgetWhatIf('Not offered: for the settings of the report this page computes other numbers than the report has.');
   const predicted = await inSlices(predictFlight(flight, settings), isStale, tell);
