@@ -292,7 +292,7 @@ CommandResult frame_result(const MatchCommandOptions& options, const FrameMatch&
 
 CommandResult flight_result(const MatchCommandOptions& options, const MatchedFrames& matched,
                             const FlightFrames& frames, const std::string& output) {
-  MatchEvaluation evaluation = evaluate_matches(matched.matches, options.correct_within_m);
+  MatchEvaluation evaluation = evaluate_matches(matched.matches, options.correct_within_m, options.match);
   evaluation.sequence = matched.sequence;
   CommandResult result;
   result.text = evaluation_text(evaluation, options.timings) + taken_text(frames.taken);
@@ -301,6 +301,9 @@ CommandResult flight_result(const MatchCommandOptions& options, const MatchedFra
   result.json["taken"] = to_json(frames.taken);
   result.warnings = frames.warnings;
   result.warnings.insert(result.warnings.end(), matched.warnings.begin(), matched.warnings.end());
+  for (const std::string& warning : lean_warnings(evaluation.lean, options.match)) {
+    result.warnings.push_back(warning);
+  }
   const bool no_fix_is_false = evaluation.false_fixes.of == 0;
   const bool met =
       (!options.require_fix || evaluation.accepted > 0) &&

@@ -19,11 +19,13 @@
 #include "pilotage/base/text.h"
 #include "pilotage/base/work_folder.h"
 #include "pilotage/camera/camera_options.h"
+#include "pilotage/flightlog/fix_lean.h"
 #include "pilotage/flightlog/fix_table.h"
 #include "pilotage/flightlog/match_flight.h"
 #include "pilotage/flightlog/match_sequence.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
+#include "pilotage/raster/elevation.h"
 #include "pilotage/replay/calibration_files.h"
 #include "pilotage/replay/log_frames.h"
 #include "pilotage/replay/replay.h"
@@ -40,6 +42,7 @@ struct ReplayCommandOptions {
   std::string plan;
   std::string photos;
   std::string world;
+  std::string world_elevation;
   std::string frames;
   LogPriors priors = LogPriors::kDrawn;
   double prior_sigma_m = 30;
@@ -71,7 +74,9 @@ struct ReplayCommandOptions {
     fields.path("photos", self.photos, "The pictures of the log's captures: a folder.");
     fields.path("world", self.world,
                 "Instead, for a log without pictures: imagery that frames are rendered from, at the "
-                "log's true poses, on flat ground.");
+                "log's true poses.");
+    fields.path("world_elevation", self.world_elevation,
+                "The heights that these frames show, an elevation model. Default: that of --plan, else flat ground.");
     fields.path("frames", self.frames, "Beside a table of fixes: the frames.csv that was matched.");
     fields.field("priors", self.priors,
                  "What the frames of a log are matched with: its truth, off as a drawn inertial system (--ins-...) "
@@ -203,6 +208,9 @@ ReplayedFlight matched_flight(ReplaySetup& setup, const FlightFrames& frames) {
   for (const FrameMatch& match : matches) {
     if (match.readable()) require_frame_was_tried(match.result, names);
   }
+  for (const std::string& warning : lean_warnings(lean_of_fixes(matches, options.match), options.match)) {
+    flight.notes.push_back(warning);
+  }
   flight.frames = replayed_frames(matches, frames.frames, options.correct_within_m);
   setup.matches.insert(setup.matches.end(), matches.begin(), matches.end());
   return flight;
@@ -234,6 +242,19 @@ LogFrameOptions log_frame_options(const ReplaySetup& setup) {
     frames.flat_ground_amsl_m = setup.plan->mission.flight.flat_ground_amsl_m;
   }
   return frames;
+}
+
+/// "": flat ground, with a note where the plan's model cannot be read: it may lie on the machine that planned.
+std::string elevation_of_world(const ReplaySetup& setup, std::vector<std::string>& notes) {
+  if (!setup.options.world_elevation.empty()) return setup.options.world_elevation;
+  const std::string of_plan = setup.plan ? setup.plan->mission.ground.elevation : "";
+  try {
+    if (!of_plan.empty()) Elevation{of_plan};
+  } catch (const DataError& error) {
+    notes.push_back(std::string("frames are rendered over flat ground, not over the plan's heights: ") + error.what());
+    return "";
+  }
+  return of_plan;
 }
 
 /// Leaves the captures that have a photo, with its name.
@@ -273,8 +294,8 @@ ReplayedFlight replay_log(ReplaySetup& setup, const std::string& path) {
   if (renders) {
     const std::filesystem::path output(setup.invocation.output);
     rendered = std::make_unique<WorkFolder>(output.has_parent_path() ? output.parent_path() : ".");
-    render_log_frames(frames, camera_of_replay(setup), options.world, rendered->path(), setup.invocation.threads,
-                      setup.invocation.progress);
+    render_log_frames(frames, camera_of_replay(setup), options.world, elevation_of_world(setup, notes),
+                      rendered->path(), setup.invocation.threads, setup.invocation.progress);
     table_path = (rendered->path() / "frames").string();
   }
   ReplayedFlight flight = flight_of_rows(setup, frames, table_path);
@@ -471,7 +492,21 @@ void refuse_several_maps(const ReplayCommandOptions& options) {
   }
 }
 
+/// Frames are rendered for logs alone: of other inputs they are there.
+void refuse_world_without_log(const ReplayCommandOptions& options, const std::vector<std::string>& inputs) {
+  if (options.world.empty()) {
+    if (!options.world_elevation.empty()) throw UsageError("--world-elevation has no meaning without --world");
+    return;
+  }
+  const bool renders = std::any_of(inputs.begin(), inputs.end(), [](const std::string& input) {
+    const InputKind kind = kind_of_log(input);
+    return kind == InputKind::kLog || kind == InputKind::kAirSimFolder;
+  });
+  if (!renders) throw UsageError("--world has no meaning without a log: other inputs have their frames");
+}
+
 CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& invocation) {
+  refuse_world_without_log(options, invocation.inputs);
   refuse_shared_evaluation(options, invocation);
   const std::string map = map_of(options);
   refuse_several_maps(options);

@@ -43,10 +43,16 @@ struct SimulateCommandOptions {
 
 void refuse_without_frames(const SimulateCommandOptions& options) {
   if (!options.rendered.also_map.empty()) throw UsageError("--also-map has no meaning without --fixes rendered");
-  for (const auto& [flag, value] :
-       {std::pair{"--world", options.rendered.world}, {"--map", options.rendered.map}, {"--log", options.log}}) {
+  for (const auto& [flag, value] : {std::pair{"--world", options.rendered.world},
+                                    {"--world-elevation", options.rendered.world_elevation},
+                                    {"--map", options.rendered.map},
+                                    {"--log", options.log}}) {
     if (!value.empty()) throw UsageError(std::string(flag) + " has no meaning without --fixes rendered");
   }
+}
+
+RenderedWorld world_of(const Mission& mission, const RenderedOptions& options) {
+  return make_rendered_world(mission, options.world, options.world_elevation);
 }
 
 constexpr const char* kOutputHelp = "The simulation (JSON); none with --serve.";
@@ -55,8 +61,8 @@ CommandResult serve(const std::filesystem::path& plan, const SimulateCommandOpti
                     const Invocation& invocation) {
   if (!invocation.output.empty()) throw UsageError("-o has no meaning with --serve, which flies nothing");
   const Mission mission = read_stage_plan(plan.string());
-  return serve_airsim(mission, options.rendered.world, rendered_camera(mission, options.rendered), options.serving,
-                      invocation);
+  return serve_airsim(mission, world_of(mission, options.rendered), rendered_camera(mission, options.rendered),
+                      options.serving, invocation);
 }
 
 /// A simulation, and the words that are for people alone.
@@ -84,6 +90,9 @@ Flown fly_frames(const StageFiles& files, const std::filesystem::path& plan, con
   flown.simulation.rendered = rendered_json(options.rendered, matches);
   flown.text = evaluation_text(matches);
   flown.warnings = warnings_of_maps(matches_of(tries), maps);
+  for (const std::string& warning : lean_warnings(matches.lean, options.rendered.match)) {
+    flown.warnings.push_back(warning);
+  }
   if (!options.log.empty()) flown.log = fix_log_to_csv(tries);
   return flown;
 }
@@ -96,14 +105,17 @@ Flown fly(const StageFiles& files, const std::filesystem::path& plan, const Simu
   }
   const Camera camera = rendered_camera(files.mission, options.rendered);
   if (by_airsim) {
-    if (!options.rendered.world.empty()) {
-      throw UsageError("--world has no meaning with --fixes airsim: the server has one");
+    for (const auto& [flag, value] :
+         {std::pair{"--world", options.rendered.world}, {"--world-elevation", options.rendered.world_elevation}}) {
+      if (!value.empty()) {
+        throw UsageError(std::string(flag) + " has no meaning with --fixes airsim: the server has a world");
+      }
     }
     return fly_frames(files, plan, options, airsim_frames(files.mission, camera, options.airsim, invocation.go_on),
                       invocation);
   }
   if (options.simulate.fixes == FixesFrom::kRendered) {
-    const RenderedWorld world = make_rendered_world(files.mission, options.rendered.world);
+    const RenderedWorld world = world_of(files.mission, options.rendered);
     return fly_frames(files, plan, options, rendered_frames(world, camera), invocation);
   }
   refuse_without_frames(options);

@@ -6,10 +6,9 @@
 
 namespace pilotage {
 
-CommandResult serve_airsim(const Mission& mission, const std::string& imagery, const Camera& camera,
+CommandResult serve_airsim(const Mission& mission, const RenderedWorld& world, const Camera& camera,
                            const ServeOptions& options, const Invocation& invocation) {
   const HostPort address = parse_host_port("--serve", options.serve, kAirsimPort);
-  const RenderedWorld world = make_rendered_world(mission, imagery);
   AirsimSimulation simulation(options.serve_dialect, airsim_scene(mission, world, camera));
   const Descriptor listener = listen_on(address);
   const std::string where = HostPort{address.host, port_of(listener)}.text();

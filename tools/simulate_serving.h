@@ -6,6 +6,7 @@
 
 #include "pilotage/airsim/airsim_types.h"
 #include "pilotage/mission/mission.h"
+#include "pilotage/simulate/rendered_world.h"
 
 namespace pilotage {
 
@@ -27,9 +28,9 @@ struct ServeOptions {
   }
 };
 
-/// Serves frames of the world `imagery` (make_rendered_world) by `camera` until the invocation's progress asks to stop.
+/// Serves frames of the `world` by `camera` until the invocation's progress asks to stop.
 /// Says where at once, and who may connect.
-CommandResult serve_airsim(const Mission& mission, const std::string& imagery, const Camera& camera,
+CommandResult serve_airsim(const Mission& mission, const RenderedWorld& world, const Camera& camera,
                            const ServeOptions& options, const Invocation& invocation);
 
 }  // namespace pilotage

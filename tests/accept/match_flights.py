@@ -17,6 +17,13 @@ def cut(tool, raster, folder, **options):
     return folder
 
 
+def write_rows(folder, rows):
+    with open(folder / "frames.csv", "w", newline="") as stream:
+        writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def move_priors(folder, other):
     """Makes the frames of a folder claim to be where those of another one are: frames over the wrong map."""
     with open(folder / "frames.csv", newline="") as stream:
@@ -26,10 +33,16 @@ def move_priors(folder, other):
     for i, row in enumerate(rows):
         for name in ("prior_lon_deg", "prior_lat_deg", "prior_sigma_m"):
             row[name] = claims[i % len(claims)][name]
-    with open(folder / "frames.csv", "w", newline="") as stream:
-        writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows(folder, rows)
+
+
+def tell_heights(folder, factor):
+    """Makes the frames of a folder claim to be so many times as high as they do."""
+    with open(folder / "frames.csv", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    for row in rows:
+        row["height_agl_m"] = repr(factor * float(row["height_agl_m"]))
+    write_rows(folder, rows)
 
 
 def fly(pilotage, map_path, folder, *options):

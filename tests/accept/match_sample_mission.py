@@ -4,8 +4,8 @@ match_sample_mission.py PILOTAGE SOURCE_FOLDER CUT_FLIGHT_FRAMES"""
 
 import sys
 
-from acceptance import SKIP, main
-from match_flights import check_none, check_rates, cut, fly, whole_map
+from acceptance import SKIP, check, main
+from match_flights import check_none, check_rates, cut, fly, tell_heights, whole_map
 
 FRAMES = 100
 
@@ -19,7 +19,14 @@ def test(pilotage, source, work, rest):
     map_path = whole_map(pilotage, first, work / "map.gpkg", 154)
     here = cut(tool, second, work / "here", frames=FRAMES, footprint_m=154)
     # One frame in a hundred lies over an orchard, whose rows look alike every five metres.
-    check_rates("another date", fly(pilotage, map_path, here), 0.6, 0.02)
+    told = fly(pilotage, map_path, here)
+    check_rates("another date", told, 0.6, 0.02)
+    check(not any("lie" in warning or "lean" in warning for warning in told["warnings"]), f"fixes lean: {told['warnings']}")
+    # Told 8 % too high, as over heights of another datum: fixes come, and all of them are lower.
+    tell_heights(here, 1.08)
+    told = fly(pilotage, map_path, here)
+    check(any("below the heights that the matcher was told" in warning for warning in told["warnings"]),
+          f"heights that are off by 8 % are not noticed: {told['lean']}, {told['warnings']}")
     same = cut(tool, first, work / "same", frames=FRAMES, footprint_m=154, seed=2)
     check_rates("the same date", fly(pilotage, map_path, same), 0.8, 0.02)
     shifted = cut(tool, second, work / "shifted", frames=FRAMES, footprint_m=154, prior_shift_m=600, seed=3)

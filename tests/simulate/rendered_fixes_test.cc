@@ -136,6 +136,26 @@ TEST(RenderedFixes, HeightIsHeldOverRisingGround) {
   EXPECT_NEAR(tries[0].pose.height_amsl_m, 100 + place.ground.agl_m, 1e-9);
 }
 
+TEST(RenderedFixes, OverOtherHeightsTheLineStaysWhereItWasPlannedAboveSeaLevel) {
+  PlaceWithMap place;
+  place.mission.flight.samples.front().amsl_m = 250 + place.ground.agl_m;
+  place.world.heights_of_the_map = false;
+  FrameSource frames = rendered_frames(place.world, place.ground.camera);
+  frames.open = [open = frames.open] {
+    FrameTaker taker = open();
+    taker.ground_amsl_m = [](GeodeticPoint) { return 259.0; };
+    return taker;
+  };
+  RenderedFixes fixes(place.mission, place.simulate, place.options, frames,
+                      open_unverified_maps({place.folder / "map.gpkg"}), 1);
+  const DrawnErrors drawn = off_by_six();
+  fixes.source().begin_flight(0, 77, 0, {})(try_with(drawn));
+  const std::vector<SimulatedTry> tries = fixes.take_tries();
+  ASSERT_EQ(tries.size(), 1U);
+  EXPECT_NEAR(tries[0].pose.height_agl_m, place.ground.agl_m - 9, 1e-9);
+  EXPECT_NEAR(tries[0].pose.height_amsl_m, 250 + place.ground.agl_m, 1e-9);
+}
+
 TEST(RenderedCamera, IsAsWideAsAskedFor) {
   Mission mission;
   mission.flight.camera = {4000, 2250, 2700, 2700, 2000, 1125};

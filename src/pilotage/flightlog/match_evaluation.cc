@@ -121,7 +121,8 @@ std::string centers_text(const MatchEvaluation::Centers& centers, const std::str
 
 }  // namespace
 
-MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double correct_within_m) {
+MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double correct_within_m,
+                                 const MatchOptions& options) {
   if (!(correct_within_m > 0)) {
     throw UsageError("correct_within_m = " + format_number(correct_within_m) + " is not above 0");
   }
@@ -159,6 +160,7 @@ MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double cor
   evaluation.nees = summarise_nees(nees);
   evaluation.nees_correct = summarise_nees(nees_correct);
   evaluation.centers = summarise_centers(matches, correct_within_m);
+  evaluation.lean = lean_of_fixes(matches, options);
   evaluation.median_ms = quantile(times_ms, 0.5);
   evaluation.p95_ms = quantile(times_ms, 0.95);
   return evaluation;
@@ -172,6 +174,7 @@ Json to_json(const MatchEvaluation& evaluation, bool timings) {
             {"refused", Json::object()}};
   for (const auto& [status, count] : evaluation.refused) json["refused"][status] = count;
   if (evaluation.sequence) json["sequence"] = sequence_json(*evaluation.sequence);
+  json["lean"] = to_json(evaluation.lean);
   json["frames_with_truth"] = evaluation.frames_with_truth;
   if (evaluation.frames_with_truth > 0) {
     json["judged_at_center"] = evaluation.judged_at_center;
@@ -211,6 +214,7 @@ std::string evaluation_text(const MatchEvaluation& evaluation, bool timings) {
     text += "the same of the correct fixes: " + nees_text(evaluation.nees_correct);
     if (evaluation.centers) text += centers_text(*evaluation.centers, limit);
   }
+  text += lean_text(evaluation.lean);
   if (timings && !std::isnan(evaluation.median_ms)) {
     text += "time of matching: median " + format_fixed(evaluation.median_ms, 1) + " ms, 95 % below " +
             format_fixed(evaluation.p95_ms, 1) + " ms\n";

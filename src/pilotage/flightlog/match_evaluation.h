@@ -8,6 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "pilotage/base/statistics.h"
+#include "pilotage/flightlog/fix_lean.h"
 #include "pilotage/flightlog/frame_match.h"
 #include "pilotage/flightlog/match_sequence.h"
 
@@ -30,6 +31,7 @@ struct MatchEvaluation {
   std::vector<std::int64_t> fixes_by_map;       ///< Of these, the answers of each map that was asked.
   std::map<std::string, std::int64_t> refused;  ///< Frames without one, by frame_status_name().
   std::optional<SequenceSummary> sequence;      ///< Of frames that were matched in sequence.
+  FixLean lean;                                 ///< How all fixes lie together.
 
   // Of the frames whose truth is known, judged by FrameRecord::truth().
   double correct_within_m = 0;
@@ -57,8 +59,9 @@ struct MatchEvaluation {
   double p95_ms = 0;
 };
 
-/// Throws UsageError unless correct_within_m is above 0.
-MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double correct_within_m);
+/// `options`: what the frames were matched with. Throws UsageError unless correct_within_m is above 0.
+MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double correct_within_m,
+                                 const MatchOptions& options = {});
 
 /// Keys as the fields are named, NaN as null; what needs truth is left out when there is none, times when they are not
 /// wanted.

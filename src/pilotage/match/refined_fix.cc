@@ -228,6 +228,10 @@ void add_map_error(Fix& fix, double map_sigma_m) {
   fix.center_covariance_en_m2 += isotropic_covariance_m2(map_sigma_m);
 }
 
+bool contradicts_told_height(const Fix& fix, const MatchOptions& options) {
+  return std::abs(std::log(fix.scale)) > kGateSigmas * options.height_sigma_fraction;
+}
+
 bool is_outside_gate(const Fix& fix, const MatchPrior& prior, const MatchOptions& options) {
   const Eigen::Vector2d off_m = LocalFrame(prior.position).enu_from_geodetic(fix.position).head<2>();
   const double by_tilt_m = 2 * prior.height_agl_m * std::tan(options.attitude_sigma_deg * kRadPerDeg);
@@ -239,7 +243,7 @@ bool is_outside_gate(const Fix& fix, const MatchPrior& prior, const MatchOptions
   if (tilt_deg > kGateSigmas * options.attitude_sigma_deg) return true;
   const double turn_deg = std::remainder(fix.yaw_deg - prior.attitude.yaw_deg, 360.0);
   if (std::abs(turn_deg) > kGateSigmas * options.yaw_sigma_deg) return true;
-  return std::abs(std::log(fix.scale)) > kGateSigmas * options.height_sigma_fraction;
+  return contradicts_told_height(fix, options);
 }
 
 }  // namespace pilotage

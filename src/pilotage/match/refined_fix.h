@@ -40,6 +40,9 @@ std::optional<RefinedFix> refine_fix_beside_landmarks(const FrameOnGrid& rectifi
 /// Adds the error of the map's own georeference, each axis, to both covariances.
 void add_map_error(Fix& fix, double map_sigma_m);
 
+/// Whether the height of a fix is more than four standard deviations off the one that was told.
+bool contradicts_told_height(const Fix& fix, const MatchOptions& options);
+
 /// Whether a fix contradicts what was known: its position lies outside the searched square or √2 times the prior's
 /// error ellipse of search_sigmas (Mahalanobis distance, in a covariance that has 2 / search_sigmas times what the
 /// tilt's error moves the place by added), or attitude or height are more than four standard deviations off. The yaw

@@ -1,10 +1,9 @@
 #include "pilotage/matchability/reasons.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 
+#include "pilotage/base/angle.h"
 #include "pilotage/base/text.h"
 #include "pilotage/raster/gdal_crs.h"
 
@@ -45,17 +44,12 @@ double beyond(double value, double most) {
 
 /// "84 m to the north-east"; by pixels where the grid counts degrees.
 std::string direction(double dx_px, double dy_px, const ReasonContext& context) {
-  static constexpr std::array<const char*, 8> kPoints{"north", "north-east", "east", "south-east",
-                                                      "south", "south-west", "west", "north-west"};
   const GeoTransform& place = context.matrix.map_from_pixel;
   const Eigen::Vector2d map = place.map_from_pixel({dx_px, dy_px}) - place.map_from_pixel({0, 0});
-  double bearing = std::atan2(map.x(), map.y()) / (std::numbers::pi / 4);
-  if (bearing < 0) bearing += 8;
-  const std::string point = kPoints.at(static_cast<std::size_t>(std::lround(bearing)) % 8);
   const std::string distance = std::isnan(context.metres_per_unit)
                                    ? format_fixed(std::hypot(dx_px, dy_px), 0) + " px"
                                    : format_fixed(map.norm() * context.metres_per_unit, 0) + " m";
-  return distance + " to the " + point;
+  return distance + " to the " + compass_name(std::atan2(map.x(), map.y()) / kRadPerDeg);
 }
 
 Reason too_little_ground(const TileScores& score) {

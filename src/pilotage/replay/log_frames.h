@@ -79,10 +79,13 @@ struct PhotoPairs {
 PhotoPairs pair_photos(const std::vector<LoggedCapture>& captures, const std::vector<Photo>& photos,
                        std::optional<double> utc_minus_log_s);
 
-/// Renders what `camera` saw of the ground in `world` at the true poses, flat ground, as PNG files in `folder`, and
-/// leaves out frames that the imagery does not cover (with a note). Throws DataError as open_gray, and when not one
-/// frame is covered.
-void render_log_frames(LogFrames& frames, const Camera& camera, const std::string& world,
-                       const std::filesystem::path& folder, int threads, const Progress& progress);
+/// Renders what `camera` saw of the ground in the raster `imagery` at the true poses, over the heights of `elevation`
+/// or, where that is "", over flat ground, as PNG files in `folder`, and leaves out frames that imagery or heights do
+/// not cover (with a note). The height above ground is the log's, which is also the one that is told, so what the
+/// frames say of heights says nothing of the log's. Throws DataError as open_gray and Elevation, and when not one frame
+/// is covered.
+void render_log_frames(LogFrames& frames, const Camera& camera, const std::string& imagery,
+                       const std::string& elevation, const std::filesystem::path& folder, int threads,
+                       const Progress& progress);
 
 }  // namespace pilotage

@@ -131,7 +131,8 @@ class RenderedFlight {
     pose.height_agl_m = line.agl_m;
     // The height of the line is held: beside it the ground is another.
     const double ground_m = taker.ground_amsl_m(pose.position);
-    const double rise_m = ground_m - taker.ground_amsl_m(line.point);
+    const double rise_m =
+        ground_m - (run_->frames.heights_of_the_map ? taker.ground_amsl_m(line.point) : line.amsl_m - line.agl_m);
     if (std::isfinite(rise_m)) {
       pose.height_agl_m -= rise_m;
       pose.height_amsl_m = ground_m + pose.height_agl_m;
@@ -244,6 +245,7 @@ FrameSource rendered_frames(const RenderedWorld& world, const Camera& camera) {
   FrameSource frames;
   frames.camera = camera;
   frames.of_the_map = world.of_the_map;
+  frames.heights_of_the_map = world.heights_of_the_map;
   frames.open = [&world, camera] {
     const auto eye = std::make_shared<WorldCamera>(world, camera);
     return FrameTaker{[eye](const CameraPose& pose) { return eye->frame_at(pose); },
@@ -255,6 +257,10 @@ FrameSource rendered_frames(const RenderedWorld& world, const Camera& camera) {
         "day; give another date with --world"};
   } else {
     frames.notes = {"the error of the map against the world is the one that their georeferences have, none is drawn"};
+  }
+  if (!world.heights_of_the_map) {
+    frames.notes.push_back("frames show the heights of " + world.elevation +
+                           "; the map and the planned height above sea level are of others");
   }
   frames.not_simulated = {
       "frames that are answered late: a fix comes at once", "light, shadow, weather and season other than the world's",
@@ -272,11 +278,12 @@ std::vector<FrameMatch> matches_of(const std::vector<SimulatedTry>& tries) {
 }
 
 MatchEvaluation evaluate_tries(const std::vector<SimulatedTry>& tries, const RenderedOptions& options) {
-  return evaluate_matches(matches_of(tries), options.correct_within_m);
+  return evaluate_matches(matches_of(tries), options.correct_within_m, options.match);
 }
 
 nlohmann::ordered_json rendered_json(const RenderedOptions& options, const MatchEvaluation& matches) {
   return {{"world", options.world},
+          {"world_elevation", options.world_elevation},
           {"frame_width_px", options.frame_width_px},
           {"tilt_sigma_deg", options.tilt_sigma_deg},
           {"boresight_sigma_deg", options.boresight_sigma_deg},

@@ -28,6 +28,7 @@ struct FrameSource {
   std::function<FrameTaker()> open;  ///< Called once for each thread, by any of them.
   Camera camera;                     ///< That takes them.
   bool of_the_map = false;           ///< They show the very imagery that the map was made of: they are degraded.
+  bool heights_of_the_map = true;    ///< They show the ground's heights that the line was planned over.
   std::vector<std::string> notes;
   std::vector<std::string> not_simulated;
 };

@@ -11,6 +11,7 @@ namespace pilotage {
 /// What is drawn of each flight with rendered fixes, and what the matcher is told. Errors are one standard deviation.
 struct RenderedOptions {
   std::string world;
+  std::string world_elevation;
   std::string map;
   std::vector<std::string> also_map;
   int frame_width_px = 640;
@@ -28,6 +29,10 @@ struct RenderedOptions {
         "world", self.world,
         "With rendered fixes: the ground that frames show, a raster of another date. Default: the mission's own "
         "imagery, changed as `score` changes it.");
+    fields.path(
+        "world_elevation", self.world_elevation,
+        "With rendered fixes: the heights of the ground that frames show, an elevation model; the height of the line "
+        "above sea level stays as planned. Default: the mission's own heights, which are those of the map.");
     fields.path("map", self.map, "With rendered fixes: the map; default map.gpkg beside the plan.");
     fields.path(
         "also_map", self.also_map,

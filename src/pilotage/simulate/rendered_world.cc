@@ -5,6 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "pilotage/base/error.h"
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/raster/gray_stretch.h"
@@ -14,46 +15,24 @@ namespace {
 
 constexpr double kLeastMotion_px = 0.1;
 
-RenderedFrame nothing_seen(const Camera& camera) {
-  RenderedFrame frame;
-  frame.gray = cv::Mat::zeros(camera.height_px, camera.width_px, CV_8UC1);
-  frame.valid = frame.gray.clone();
-  return frame;
-}
-
 }  // namespace
 
-RenderedWorld make_rendered_world(const Mission& mission, const std::string& imagery) {
+RenderedWorld make_rendered_world(const Mission& mission, const std::string& imagery, const std::string& elevation) {
+  const auto knows_height = [](const FlightSample& sample) { return std::isfinite(sample.amsl_m - sample.agl_m); };
+  const std::vector<FlightSample>& samples = mission.flight.samples;
+  if (!elevation.empty() && !std::all_of(samples.begin(), samples.end(), knows_height)) {
+    throw UsageError(elevation +
+                     ": the plan knows no heights above sea level, so nobody knows how far above these "
+                     "heights it flies: prepare it with an elevation model");
+  }
   RenderedWorld world;
-  world.elevation = mission.ground.elevation;
+  world.elevation = elevation.empty() ? mission.ground.elevation : elevation;
+  world.heights_of_the_map = elevation.empty();
   world.of_the_map = imagery.empty();
   world.ground =
       stretch_to_8bit(imagery.empty() ? open_gray(mission.ground, mission.ground.levels.front())
                                       : open_gray(imagery, second_date_options(mission.ground.imagery.options)));
   return world;
-}
-
-WorldCamera::WorldCamera(const RenderedWorld& world, const Camera& camera)
-    : world_(&world), camera_(camera), rays_(corner_rays(camera)), transform_(world.ground.crs) {
-  if (!world.elevation.empty()) elevation_.emplace(world.elevation);
-}
-
-RenderedFrame WorldCamera::frame_at(const CameraPose& pose) const {
-  const auto on_map = transform_.map_from_geodetic(pose.position);
-  if (!on_map) return nothing_seen(camera_);
-  const GraySource& ground = world_->ground;
-  const GroundPlace place =
-      ground_place(transform_, ground.map_from_pixel, ground.map_from_pixel.pixel_from_map(*on_map));
-  if (!elevation_) return render_frame(ground, place, camera_, pose.attitude, pose.height_agl_m, &rays_);
-  const auto view = make_view(camera_, pose.attitude, pose.height_agl_m);
-  // What is no view render_frame names as such.
-  if (!view) return render_frame(ground, place, camera_, pose.attitude, pose.height_agl_m, &rays_);
-  return render_terrain_frame(ground, place, camera_, pose.attitude, pose.height_agl_m,
-                              terrain_under(*view, pose.position, *elevation_), &rays_);
-}
-
-double WorldCamera::ground_amsl_m(GeodeticPoint point) const {
-  return elevation_ ? elevation_->amsl_m(point) : kNaN;
 }
 
 Eigen::Vector2d motion_in_image(const Camera& camera, const CameraPose& pose, const Eigen::Vector2d& way_m) {
