@@ -18,9 +18,9 @@ from osgeo import gdal, osr
 
 gdal.UseExceptions()
 
-# Name: scale of all heights; standard deviation, length and constant of what is added to the world's alone.
+# Name: scale of all heights; standard deviation, length and constant of what is added to the world's alone; what the matcher is told of it.
 ROWS = {"x0": (0, 0, 0, 0), "x0.5": (0.5, 0, 0, 0), "x1": (1, 0, 0, 0), "x2": (2, 0, 0, 0), "x4": (4, 0, 0, 0),
-        "off-2m": (1, 2, 60, 0), "off-5m": (1, 5, 100, 0), "higher-5m": (1, 0, 0, 5), "higher-10m": (1, 0, 0, 10),
+        "off-2m": (1, 2, 60, 0), "off-5m": (1, 5, 100, 0), "off-5m-told": (1, 5, 100, 0, "--match-elevation-sigma-m", 5), "higher-5m": (1, 0, 0, 5), "higher-10m": (1, 0, 0, 10),
         "higher-30m": (1, 0, 0, 30)}
 
 
@@ -58,7 +58,7 @@ def run(*arguments):
 
 
 def fly(name, asked):
-    scale, sigma_m, length_m, constant_m = ROWS[name]
+    scale, sigma_m, length_m, constant_m, *told = ROWS[name]
     source = gdal.Open(str(asked.sample / "elevation.tif"))
     heights = source.ReadAsArray().astype(float)
     pixel_m = source.GetGeoTransform()[1]
@@ -74,7 +74,7 @@ def fly(name, asked):
         world = asked.work / f"world-{name}.tif"
         added = sigma_m * smooth(heights.shape, pixel_m, length_m, numpy.random.default_rng(11)) if sigma_m else 0
         write_like(source, world, heights + added + constant_m)
-        options = ["--world-elevation", world]
+        options = ["--world-elevation", world, *told]
     result = asked.work / f"{name}-{asked.seed}.json"
     done = run(asked.program, "simulate", mission / "out", "--fixes", "rendered", "--world", asked.sample / "ortho_second_epoch.tif",
                "--flights", asked.flights, "--seed", asked.seed, "--threads", asked.threads, "--overwrite", "-o", result, *options)

@@ -60,9 +60,14 @@ Command make_envelope_command() {
         const std::filesystem::path plan = plan_of(invocation.inputs.front());
         const StageFiles files = read_stage_files(plan.string(), stage_files_beside(plan, options.files));
         const auto maps = asked_maps(map_beside(plan, options.map), options.also_map);
+        std::vector<std::string> notes;
+        for (const std::string& world : options.envelope.world) {
+          for (const std::string& note : notes_of_world(world, maps)) notes.push_back(note);
+        }
         Envelope envelope = make_envelope(files.mission, files.scores, files.selection, open_asked_maps(maps),
                                           options.envelope, invocation.seed, invocation.threads, invocation.progress);
         if (const std::string note = several_maps_note(maps); !note.empty()) envelope.notes.push_back(note);
+        envelope.notes.insert(envelope.notes.end(), notes.begin(), notes.end());
         CommandResult result;
         result.json = envelope_to_json(envelope);
         OutputFile output(invocation.output, invocation.overwrite);

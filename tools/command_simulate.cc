@@ -78,6 +78,7 @@ Flown fly_frames(const StageFiles& files, const std::filesystem::path& plan, con
                  FrameSource frames, const Invocation& invocation) {
   const auto maps = asked_maps(map_beside(plan, options.rendered.map), options.rendered.also_map);
   if (const std::string note = several_maps_note(maps); !note.empty()) frames.notes.push_back(note);
+  for (const std::string& note : notes_of_world(options.rendered.world, maps)) frames.notes.push_back(note);
   RenderedFixes fixes(files.mission, options.simulate, options.rendered, frames, open_asked_maps(maps),
                       invocation.threads);
   Flown flown{simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,

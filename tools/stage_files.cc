@@ -11,10 +11,25 @@
 #include "pilotage/base/text.h"
 #include "pilotage/ground/score_table.h"
 #include "pilotage/mapdb/map_purpose.h"
+#include "pilotage/mission/input_files.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
 
 namespace pilotage {
+namespace {
+
+/// Whether imagery of this digest is among what a map says that it was made of.
+bool is_made_of(const MapReader& map, const std::string& digest) {
+  for (int index = 0;; ++index) {
+    const std::string key = "input." + std::to_string(index) + ".";
+    const auto role = map.info().find(key + "role");
+    if (!role) return false;
+    if (*role == "imagery" && !digest.empty() && map.info().find(key + "digest") == digest) return true;
+  }
+}
+
+}  // namespace
+
 void need_file(const std::string& path, const std::string& writer) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored)) return;
@@ -105,6 +120,21 @@ OpenMaps open_asked_maps(const std::vector<std::filesystem::path>& maps) {
   OpenMaps open_maps = open_unverified_maps(maps);
   if (maps.size() > 1) check_one_camera(open_maps());
   return open_maps;
+}
+
+std::vector<std::string> notes_of_world(const std::string& world, const std::vector<std::filesystem::path>& maps) {
+  if (world.empty()) return {};
+  const std::string digest = input_dataset("imagery", world, "").digest;
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    if (!is_made_of(MapReader::open_unverified(maps[i]), digest)) continue;
+    if (i == 0) {
+      throw UsageError("--world " + world + ": is the imagery that " + maps[i].string() +
+                       " was made of, and no other date; without --world it is changed as another day may look");
+    }
+    notes.push_back("optimistic: frames show the very imagery that " + maps[i].string() + " was made of");
+  }
+  return notes;
 }
 
 std::vector<std::string> warnings_of_maps(std::span<const FrameMatch> matches,

@@ -77,6 +77,11 @@ OpenMaps open_asked_maps(const std::vector<std::filesystem::path>& maps);
 std::vector<std::string> warnings_of_maps(std::span<const FrameMatch> matches,
                                           const std::vector<std::filesystem::path>& maps);
 
+/// What is to be said of flights whose frames show the raster `world`: that it is the very imagery that a further one
+/// of the `maps` was made of, by its digest, and so no other date of it. Throws UsageError where it is that of the
+/// first, whose frames would be found nearly all, and taken for frames of another date; DataError as input_dataset.
+std::vector<std::string> notes_of_world(const std::string& world, const std::vector<std::filesystem::path>& maps);
+
 /// What is to be said beside numbers of flights on several maps that are held against P; "" of one map.
 std::string several_maps_note(const std::vector<std::filesystem::path>& maps);
 

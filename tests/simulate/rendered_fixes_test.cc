@@ -1,5 +1,8 @@
 #include "pilotage/simulate/rendered_fixes.h"
 
+#include <functional>
+#include <vector>
+
 #include "testing/temporary_folder.h"
 #include "testing/textured_map.h"
 #include <gtest/gtest.h>
@@ -118,12 +121,12 @@ TEST(RenderedFixes, ADeadlineIsRefused) {
   EXPECT_THROW(place.fixes(), UsageError);
 }
 
-TEST(RenderedFixes, HeightIsHeldOverRisingGround) {
-  const PlaceWithMap place;
+/// Where the aircraft truly is in a try over ground of these heights above sea level.
+CameraPose pose_over(const PlaceWithMap& place, const std::function<double(GeodeticPoint)>& ground_amsl_m) {
   FrameSource frames = rendered_frames(place.world, place.ground.camera);
-  frames.open = [open = frames.open, center = place.ground.center] {
+  frames.open = [open = frames.open, ground_amsl_m] {
     FrameTaker taker = open();
-    taker.ground_amsl_m = [center](GeodeticPoint point) { return 100 + (point.lat_deg > center.lat_deg ? 7 : 0); };
+    taker.ground_amsl_m = ground_amsl_m;
     return taker;
   };
   RenderedFixes fixes(place.mission, place.simulate, place.options, frames,
@@ -131,29 +134,26 @@ TEST(RenderedFixes, HeightIsHeldOverRisingGround) {
   const DrawnErrors drawn = off_by_six();
   fixes.source().begin_flight(0, 77, 0, {})(try_with(drawn));
   const std::vector<SimulatedTry> tries = fixes.take_tries();
-  ASSERT_EQ(tries.size(), 1U);
-  EXPECT_NEAR(tries[0].pose.height_agl_m, place.ground.agl_m - 7, 1e-9);
-  EXPECT_NEAR(tries[0].pose.height_amsl_m, 100 + place.ground.agl_m, 1e-9);
+  EXPECT_EQ(tries.size(), 1U);
+  return tries.at(0).pose;
+}
+
+TEST(RenderedFixes, HeightIsHeldOverRisingGround) {
+  const PlaceWithMap place;
+  const GeodeticPoint center = place.ground.center;
+  const CameraPose pose =
+      pose_over(place, [center](GeodeticPoint point) { return 100 + (point.lat_deg > center.lat_deg ? 7 : 0); });
+  EXPECT_NEAR(pose.height_agl_m, place.ground.agl_m - 7, 1e-9);
+  EXPECT_NEAR(pose.height_amsl_m, 100 + place.ground.agl_m, 1e-9);
 }
 
 TEST(RenderedFixes, OverOtherHeightsTheLineStaysWhereItWasPlannedAboveSeaLevel) {
   PlaceWithMap place;
   place.mission.flight.samples.front().amsl_m = 250 + place.ground.agl_m;
   place.world.heights_of_the_map = false;
-  FrameSource frames = rendered_frames(place.world, place.ground.camera);
-  frames.open = [open = frames.open] {
-    FrameTaker taker = open();
-    taker.ground_amsl_m = [](GeodeticPoint) { return 259.0; };
-    return taker;
-  };
-  RenderedFixes fixes(place.mission, place.simulate, place.options, frames,
-                      open_unverified_maps({place.folder / "map.gpkg"}), 1);
-  const DrawnErrors drawn = off_by_six();
-  fixes.source().begin_flight(0, 77, 0, {})(try_with(drawn));
-  const std::vector<SimulatedTry> tries = fixes.take_tries();
-  ASSERT_EQ(tries.size(), 1U);
-  EXPECT_NEAR(tries[0].pose.height_agl_m, place.ground.agl_m - 9, 1e-9);
-  EXPECT_NEAR(tries[0].pose.height_amsl_m, 250 + place.ground.agl_m, 1e-9);
+  const CameraPose pose = pose_over(place, [](GeodeticPoint) { return 259.0; });
+  EXPECT_NEAR(pose.height_agl_m, place.ground.agl_m - 9, 1e-9);
+  EXPECT_NEAR(pose.height_amsl_m, 250 + place.ground.agl_m, 1e-9);
 }
 
 TEST(RenderedCamera, IsAsWideAsAskedFor) {
