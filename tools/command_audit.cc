@@ -11,9 +11,9 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/raster/gdal_write.h"
 #include "pilotage/registration/disagreement_raster.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

@@ -18,7 +18,6 @@
 #include "pilotage/mission/simulation_file.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
-#include "pilotage/report/evidence.h"
 #include "pilotage/report/explain.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report_file.h"
@@ -26,6 +25,7 @@
 #include "pilotage/route/describe_route.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/route_json.h"
+#include "pilotage/verdict/evidence.h"
 
 namespace pilotage {
 namespace {

@@ -18,13 +18,13 @@
 #include "pilotage/mission/simulation_file.h"
 #include "pilotage/report/autopilot_sheet.h"
 #include "pilotage/report/compare_reports.h"
-#include "pilotage/report/disagreement.h"
-#include "pilotage/report/evidence.h"
 #include "pilotage/report/page_pdf.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/report_file.h"
 #include "pilotage/report/simulated_flights.h"
+#include "pilotage/verdict/disagreement.h"
+#include "pilotage/verdict/evidence.h"
 
 namespace pilotage {
 namespace {
@@ -158,7 +158,7 @@ ReportInput read_report_input(const ReportCommandOptions& options, const ReportF
       make_report_input(files.mission, files.scores, files.selection, input_files(files.mission), version_line());
   if (asks_for(options.outputs, ReportOutput::kHtml)) add_pictures(input, invocation.threads, invocation.progress);
   input.title = options.title;
-  if (georeference_disagreement(input)) {
+  if (georeference_disagreement(judged_plan(input))) {
     input.assumptions.emplace_back("what bringing the second date onto the imagery took for granted, `score` says");
   }
   if (!options.evaluation.empty()) {

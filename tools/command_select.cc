@@ -9,10 +9,10 @@
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
-#include "pilotage/report/map_ageing.h"
-#include "pilotage/report/verdict.h"
 #include "pilotage/select/route_ageing.h"
 #include "pilotage/select/select_tiles.h"
+#include "pilotage/verdict/map_holds.h"
+#include "pilotage/verdict/verdict.h"
 
 namespace pilotage {
 namespace {

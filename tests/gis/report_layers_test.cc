@@ -11,7 +11,7 @@
 
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/gis/kml_files.h"
-#include "pilotage/report/tile_class.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -22,7 +22,7 @@
 #include "pilotage/gis/degree_overlay.h"
 #include "pilotage/gis/score_files.h"
 #include "pilotage/ground/score_raster.h"
-#include "pilotage/report/tile_class.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -8,6 +8,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/matchability/level_at_age.h"
 #include "pilotage/report/report.h"
+#include "pilotage/verdict/map_holds.h"
 
 namespace pilotage {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
+#include "pilotage/verdict/evidence.h"
 
 namespace pilotage {
 namespace {
@@ -100,7 +101,7 @@ TEST(SimulatedFlights, NumbersSayWhatTheyRestOn) {
     EXPECT_THAT(html, HasSubstr("<span class=\"kind " + std::string(kind) + "\"")) << kind;
   }
   std::map<std::string, NumberKind> kinds;
-  for (const QualityRow& row : quality_rows(testing::report_scene({}))) kinds[row.name] = row.kind;
+  for (const QualityRow& row : quality_rows(judged_plan(testing::report_scene({})))) kinds[row.name] = row.kind;
   EXPECT_EQ(kinds.at("largest_error"), NumberKind::kModelled);
   EXPECT_EQ(kinds.at("imagery_coverage"), NumberKind::kMeasured);
   EXPECT_EQ(kinds.at("ambiguous_tiles"), NumberKind::kSimulated);

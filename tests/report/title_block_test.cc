@@ -21,11 +21,13 @@ std::map<std::string, std::string> by_label(const ReportInput& input) {
 ReportInput flown_scene() {
   ReportInput input = testing::report_scene({});
   Flight& flight = input.mission.flight;
-  flight.samples.resize(3);
-  for (std::size_t i = 0; i < 3; ++i) {
-    flight.samples[i].distance_m = 300.0 * static_cast<double>(i);
-    flight.samples[i].speed_mps = i == 2 ? 30 : 10;
-    flight.samples[i].agl_m = 100.0 + 20.0 * static_cast<double>(i);
+  // Two legs; each has samples at both of its ends.
+  flight.samples.resize(4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double vertex = i < 2 ? static_cast<double>(i) : static_cast<double>(i - 1);
+    flight.samples[i].distance_m = 300.0 * vertex;
+    flight.samples[i].speed_mps = i < 2 ? 10 : 30;
+    flight.samples[i].agl_m = 100.0 + 20.0 * vertex;
   }
   flight.camera = {};
   flight.camera.width_px = 4000;

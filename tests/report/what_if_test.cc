@@ -23,7 +23,7 @@ std::size_t samples_of(const Json& runs) {
 
 TEST(WhatIf, HasEverySampleOfTheFlight) {
   const ReportInput input = testing::report_scene_with_tries();
-  const Json json = what_if_data(input, quality_rows(input));
+  const Json json = what_if_data(input, quality_rows(judged_plan(input)));
   const std::size_t count = input.mission.flight.samples.size();
   const std::string bytes(2 * sizeof(double) * count, '\0');
   EXPECT_EQ(json["samples"].get<std::string>().size(), base64(bytes).size());

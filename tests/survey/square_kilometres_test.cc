@@ -10,7 +10,7 @@
 #include "pilotage/base/random.h"
 #include "pilotage/ground/ground_of_rasters.h"
 #include "pilotage/raster/gdal_crs.h"
-#include "pilotage/report/tile_class.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

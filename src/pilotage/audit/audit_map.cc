@@ -10,10 +10,10 @@
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/raster/map_sigma.h"
 #include "pilotage/raster/mission_crs.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

@@ -8,10 +8,10 @@
 #include "pilotage/base/options.h"
 #include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/report/display_plane.h"
 #include "pilotage/report/page_text.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/capture/block.h"
 #include "pilotage/capture/describe_capture.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "pilotage/capture/capture.h"
-#include "pilotage/report/quality.h"
+#include "pilotage/verdict/quality.h"
 
 namespace pilotage {
 

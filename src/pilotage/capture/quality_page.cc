@@ -13,15 +13,15 @@
 #include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/capture/capture_assets.h"
 #include "pilotage/capture/capture_quality.h"
+#include "pilotage/ground/measure_scale.h"
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/report/display_plane.h"
-#include "pilotage/report/measure_scale.h"
 #include "pilotage/report/page_assets.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/page_text.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

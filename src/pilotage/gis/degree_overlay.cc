@@ -11,11 +11,11 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_degrees.h"
 #include "pilotage/report/display_plane.h"
-#include "pilotage/report/tile_class.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "pilotage/ground/measure_scale.h"
 #include "pilotage/ground/score_table.h"
-#include "pilotage/report/measure_scale.h"
 
 namespace pilotage {
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/gis/qgis_style.h"
-#include "pilotage/report/tile_class.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

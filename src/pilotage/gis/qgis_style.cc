@@ -4,7 +4,7 @@
 
 #include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/base/wording.h"
 
 namespace pilotage {
 namespace {

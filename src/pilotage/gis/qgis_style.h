@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "pilotage/ground/measure_scale.h"
 #include "pilotage/raster/gdal_write.h"
-#include "pilotage/report/measure_scale.h"
 
 namespace pilotage {
 

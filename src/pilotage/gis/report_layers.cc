@@ -14,13 +14,13 @@
 
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/gis/ground_layers.h"
 #include "pilotage/gis/qgis_style.h"
 #include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/report/sampled_route.h"
-#include "pilotage/report/tile_class.h"
 #include "pilotage/report/tile_fields.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

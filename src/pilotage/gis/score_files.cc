@@ -7,7 +7,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/gis/degree_overlay.h"
 #include "pilotage/gis/qgis_style.h"
-#include "pilotage/report/tile_class.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

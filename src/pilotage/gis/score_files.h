@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "pilotage/ground/measure_scale.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/mission/mission.h"
-#include "pilotage/report/measure_scale.h"
 
 namespace pilotage {
 

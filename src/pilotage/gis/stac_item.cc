@@ -11,7 +11,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/geo/bounds.h"
 #include "pilotage/raster/gdal_vector.h"
-#include "pilotage/report/quality.h"
+#include "pilotage/verdict/quality.h"
 
 namespace pilotage {
 namespace {

@@ -28,7 +28,6 @@
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/registration/disagreement_raster.h"
-#include "pilotage/report/evidence.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
 #include "pilotage/score/score_ground.h"
@@ -37,6 +36,7 @@
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/simulate/simulate_flights.h"
 #include "pilotage/tile/plan_tiles.h"
+#include "pilotage/verdict/evidence.h"
 
 namespace pilotage {
 namespace {

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <map>
 
+#include "pilotage/base/wording.h"
 #include "pilotage/mission/flight_conditions.h"
+#include "pilotage/mission/flight_time.h"
 #include "pilotage/mission/gnss_availability.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/stretch_reasons.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {
@@ -51,11 +52,10 @@ std::vector<Step> steps_of(const ReportInput& input) {
   std::vector<Step> steps;
   if (profile.size() != samples.size()) return steps;
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
-    const double way_m = samples[i + 1].distance_m - samples[i].distance_m;
     Step step;
     step.sample = &samples[i];
     step.end_distance_m = samples[i + 1].distance_m;
-    step.duration_s = 2 * way_m / (samples[i].speed_mps + samples[i + 1].speed_mps);
+    step.duration_s = step_time_s(samples[i], samples[i + 1]);
     step.matchable = profile[i].matchable && profile[i + 1].matchable;
     step.p_correct_fix = profile[i].p_correct_fix;
     step.sigma_m = profile[i + 1].error_m / input.selection.sigma_multiple;

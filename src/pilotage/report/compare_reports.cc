@@ -10,9 +10,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pilotage/base/wording.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/report/report_file.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

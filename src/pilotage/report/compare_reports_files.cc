@@ -5,8 +5,8 @@
 
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/report/compare_reports.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

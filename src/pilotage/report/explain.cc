@@ -5,14 +5,14 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/ground/measures.h"
-#include "pilotage/report/evidence.h"
-#include "pilotage/report/reason_words.h"
+#include "pilotage/matchability/reason_words.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/stretch_reasons.h"
-#include "pilotage/report/tile_class.h"
 #include "pilotage/report/tile_fields.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/verdict/evidence.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -13,14 +13,15 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/mission/integrity.h"
 #include "pilotage/mission/selection.h"
-#include "pilotage/report/number_kind.h"
 #include "pilotage/report/page_parts.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {
+
+constexpr double kSameP = 1e-9;
 
 using Json = nlohmann::ordered_json;
 
@@ -230,6 +231,14 @@ EnvelopeNote read_envelope_note(const std::filesystem::path& path) {
   }
   for (const std::string& sentence : envelope.texts("notes")) note.sentences.push_back(valid_utf8(sentence));
   return note;
+}
+
+void refuse_other_replay(const ReplayNote& replay, const Selection& selection) {
+  if (!replay.planned_p || !selection.probability) return;
+  const double here = selection.probability->p_within_limit;
+  if (std::abs(*replay.planned_p - here) <= kSameP) return;
+  throw DataError(replay.file + ": was held against a plan of P " + probability_text(*replay.planned_p) +
+                  ", and here it is " + probability_text(here) + "; run `pilotage replay --plan` again");
 }
 
 std::string replay_html(const ReplayNote& note) {

@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "pilotage/mission/selection.h"
+#include "pilotage/verdict/quality.h"
+
 #pragma GCC visibility push(default)
 
 namespace pilotage {
@@ -15,17 +18,6 @@ struct NoteTable {
   std::string title;
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;
-};
-
-/// What flights that were flown say of the P that the plan rests on. Of replay.json.
-struct FlownAgainstPlan {
-  std::int64_t tries = 0;          ///< Over stored tiles, with priors that P is of;
-  std::int64_t fixes = 0;          ///< those that gave a fix which is not known to be false;
-  double predicted = 0;            ///< and the share of them that was predicted.
-  double z = 0;                    ///< Fixes less predicted ones in standard deviations, were tries independent;
-  double z_with_level = 0;         ///< and with the level of the place, which all tries share.
-  std::int64_t without_right = 0;  ///< Tries of the whole flight that gave no right fix;
-  std::int64_t false_taken = 0;    ///< those of them that gave a false one.
 };
 
 /// What flights that were flown say of the plan (`pilotage replay`), for the page.
@@ -40,6 +32,9 @@ struct ReplayNote {
 
 /// Reads replay.json. Throws DataError when the file cannot be read or is not of a replay.
 ReplayNote read_replay_note(const std::filesystem::path& path);
+
+/// Throws DataError when the replay was held against a plan with another P than this selection has.
+void refuse_other_replay(const ReplayNote& replay, const Selection& selection);
 
 /// How far a flight may leave its plan (`pilotage envelope`), for the page.
 struct EnvelopeNote {

@@ -11,7 +11,7 @@
 #include "pilotage/base/variant_json.h"
 #include "pilotage/matchability/matchability_model.h"
 #include "pilotage/report/page_text.h"
-#include "pilotage/report/tile_class.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

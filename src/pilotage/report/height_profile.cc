@@ -5,8 +5,8 @@
 
 #include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/report/strip_chart.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

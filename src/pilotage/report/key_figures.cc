@@ -5,9 +5,9 @@
 
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/report/report.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "pilotage/report/number_kind.h"
+#include "pilotage/verdict/quality.h"
 
 namespace pilotage {
 

@@ -5,12 +5,12 @@
 
 #include "pilotage/base/markup.h"
 #include "pilotage/base/variant_json.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/mission/tile_under.h"
 #include "pilotage/report/landmark_prospects.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/tile_fields.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

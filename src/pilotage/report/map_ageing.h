@@ -7,24 +7,18 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "pilotage/base/utc_time.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
-#include "pilotage/report/quality.h"
+#include "pilotage/verdict/quality.h"
 
 #pragma GCC visibility push(default)
 
-// Until when a map can be flown by, as far as a rule of thumb for the age of imagery says (Selection::ageing), and
-// where new imagery is wanted first.
+// What becomes of P as the map ages (verdict/map_holds.h), and where new imagery is wanted first.
 
 namespace pilotage {
 
 struct ReportTile;
-
-/// What stands behind every such figure.
-inline constexpr const char* kAgeRule =
-    "by a rule of thumb for the age of imagery alone: season and what is built or felled are not counted";
 
 /// The flight, some months later.
 struct LaterFlight {
@@ -54,18 +48,6 @@ inline constexpr std::size_t kMostStaleTiles = 5;  ///< In MapAgeing::refresh.
 /// Nothing where the selection says nothing of it. `tiles` are the plan's.
 std::optional<MapAgeing> map_ageing(const Mission& mission, const Selection& selection,
                                     const std::vector<ReportTile>& tiles);
-
-/// The day up to which a tile is found at least every second time, "2027-03-14" (that of imagery kMostAge_months old:
-/// as far as anything is known); "" where it is not on the planned flight, where its P counts no age, and where
-/// `oldest` is nothing. `oldest` is oldest_imagery() of its ground.
-std::string half_found_until(std::optional<UtcTime> oldest, const TileScores& score);
-
-/// "P is at least what was asked for (0.900) until about 2027-03, when the imagery is 21 months old; the lower end of
-/// its interval until about 2026-11": by a rule of thumb, as it says. "" where the selection says nothing of it.
-std::string ageing_sentence(const Mission& mission, const Selection& selection);
-
-/// A row of the quality table, which does not decide; nothing where the selection says nothing of it.
-std::optional<QualityRow> ageing_row(const Mission& mission, const Selection& selection);
 
 /// The section of the page; "" without one.
 std::string ageing_html(const std::optional<MapAgeing>& ageing);

@@ -7,10 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/markup.h"
-#include "pilotage/report/number_kind.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/report/page_assets.h"
 #include "pilotage/report/page_text.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {
@@ -146,6 +145,23 @@ std::string page_head_html(const std::string& title, bool with_map) {
                        {{"page_title", html_escape(title)},
                         {"map_style", with_map ? "<style>" + leaflet_css() + "</style>\n" : ""},
                         {"page_css", std::string(page_assets::page_css())}});
+}
+
+std::string kind_mark(NumberKind kind) {
+  const auto mark = [](const std::string& word, const std::string& title) {
+    return "<span class=\"kind " + word + "\" title=\"" + title + "\">" + word + "</span>";
+  };
+  switch (kind) {
+    case NumberKind::kMeasured:
+      return mark("measured", "Measured on the imagery or on flights");
+    case NumberKind::kSimulated:
+      return mark("simulated", "Counted over computed flights or frames with drawn errors");
+    case NumberKind::kModelled:
+      return mark("modelled", "Computed by a formula: the inertial error model, or a fitted P");
+    case NumberKind::kStated:
+      break;
+  }
+  return "";
 }
 
 std::string figure_html(const std::string& label, const std::string& value, const std::string& detail,

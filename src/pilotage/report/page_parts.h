@@ -11,7 +11,7 @@
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/ground/ground.h"
 #include "pilotage/mission/input_files.h"
-#include "pilotage/report/quality.h"
+#include "pilotage/verdict/quality.h"
 
 // Pieces of HTML that the pages of a route and of an area share; text is escaped here.
 
@@ -48,6 +48,9 @@ std::string lat_lon_dms(GeodeticPoint point);
 
 /// The beginning of every page, without "</head>": its title (text), the style sheet, and Leaflet's for a map.
 std::string page_head_html(const std::string& title, bool with_map);
+
+/// A word behind a heading or a number, with what it means as its title; "" for kStated.
+std::string kind_mark(NumberKind kind);
 
 /// A key figure of the headline. `mark`: kind_mark() or nothing.
 std::string figure_html(const std::string& label, const std::string& value, const std::string& detail,

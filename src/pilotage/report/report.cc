@@ -8,22 +8,23 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/ground/imagery_months.h"
 #include "pilotage/ground/score_table.h"
 #include "pilotage/ins/drift.h"
 #include "pilotage/ins/ins_error_model.h"
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/report/autopilot_sheet.h"
-#include "pilotage/report/disagreement.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/error_profile.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/sampled_route.h"
 #include "pilotage/report/sketch.h"
 #include "pilotage/report/title_block.h"
-#include "pilotage/report/verdict.h"
 #include "pilotage/report/what_if.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/verdict/disagreement.h"
+#include "pilotage/verdict/map_holds.h"
+#include "pilotage/verdict/verdict.h"
 
 namespace pilotage {
 namespace {
@@ -243,7 +244,7 @@ Report make_report(const ReportInput& input) {
   const Selection& selection = input.selection;
   Report report;
   report.tiles = report_tiles(input);
-  report.quality = quality_rows(input);
+  report.quality = quality_rows(judged_plan(input));
   report.verdict = verdict_of(report.quality);
   report.headline = valid_utf8(headline(report.quality, selection));
   report.verdict_detail = valid_utf8(verdict_detail(report.verdict, report.quality, selection));
@@ -300,7 +301,8 @@ Report make_report(const ReportInput& input) {
   }
   report.parameters = valid_utf8_json(input.parameters);
   report.warnings = valid_texts(mission.warnings);
-  if (const std::string warning = disagreement_warning(input); !warning.empty()) report.warnings.push_back(warning);
+  if (const std::string warning = disagreement_warning(judged_plan(input)); !warning.empty())
+    report.warnings.push_back(warning);
   if (const auto& autopilot = mission.flight.autopilot) {
     for (std::string& warning : autopilot_warnings(input, report, *autopilot)) {
       report.warnings.push_back(std::move(warning));

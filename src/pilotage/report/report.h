@@ -11,15 +11,15 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "pilotage/ground/measure_scale.h"
 #include "pilotage/report/height_profile.h"
-#include "pilotage/report/imagery_age.h"
 #include "pilotage/report/landmark_note.h"
 #include "pilotage/report/map_ageing.h"
-#include "pilotage/report/measure_scale.h"
-#include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
 #include "pilotage/report/waypoints.h"
 #include "pilotage/report/weak_places.h"
+#include "pilotage/verdict/imagery_age.h"
+#include "pilotage/verdict/quality.h"
 
 #pragma GCC visibility push(default)
 
@@ -58,7 +58,7 @@ struct ReportTile {
   std::string reason;  ///< Why it is not selected, as one sentence; "" when it is.
   std::string
       reasons;  ///< Why it is not, or may not be, recognised (matchability/reasons.h); "" when nothing speaks so.
-  std::string half_found_until;                                      ///< half_found_until() of map_ageing.h.
+  std::string half_found_until;                                      ///< half_found_until() of map_holds.h.
   double p_landmark_fix = std::numeric_limits<double>::quiet_NaN();  ///< LandmarkNote::p_fix; NaN without landmarks.
 };
 

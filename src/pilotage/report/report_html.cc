@@ -7,9 +7,10 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
-#include "pilotage/report/evidence.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/report/explain.h"
 #include "pilotage/report/ground_json.h"
+#include "pilotage/report/imagery_age_section.h"
 #include "pilotage/report/key_figures.h"
 #include "pilotage/report/page_assets.h"
 #include "pilotage/report/page_parts.h"
@@ -17,9 +18,9 @@
 #include "pilotage/report/report.h"
 #include "pilotage/report/simulated_flights.h"
 #include "pilotage/report/strip_chart.h"
-#include "pilotage/report/tile_class.h"
 #include "pilotage/report/tile_fields.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/verdict/evidence.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -61,6 +61,12 @@ struct ReportInput {
       assumptions;  ///< Sentences for the planner beyond the plan's warnings and the route's notes.
 };
 
+/// What of it is judged; refers to it.
+inline JudgedPlan judged_plan(const ReportInput& input) {
+  const FlownAgainstPlan* flown = input.replay && input.replay->flown ? &*input.replay->flown : nullptr;
+  return {input.mission, input.scores, input.selection, input.simulations, flown};
+}
+
 }  // namespace pilotage
 
 #pragma GCC visibility pop

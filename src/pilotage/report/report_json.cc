@@ -11,6 +11,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/base/variant_json.h"
 #include "pilotage/report/ground_json.h"
+#include "pilotage/report/imagery_age_section.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/report_file.h"
 #include "pilotage/report/report_records.h"

@@ -13,8 +13,8 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/variant_json.h"
-#include "pilotage/report/quality.h"
 #include "pilotage/report/tile_fields.h"
+#include "pilotage/verdict/quality.h"
 
 // The two ways through a description of report.json (report_json.cc): a describe() that names the keys of a record is
 // called with the one to write it and with the other to read it. Both have the same members; `Ref` is how each takes

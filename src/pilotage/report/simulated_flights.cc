@@ -11,12 +11,12 @@
 #include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/mission/simulation_file.h"
-#include "pilotage/report/number_kind.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/sampled_route.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/verdict/evidence.h"
 
 namespace pilotage {
 namespace {
@@ -24,10 +24,6 @@ namespace {
 constexpr int kOutlineCorners = 32;
 /// Rows of the table along the route, at most about so many.
 constexpr double kMostMarkRows = 20;
-
-std::string flights_of(const Share& share) {
-  return std::to_string(share.count) + " of " + std::to_string(share.of) + " flights";
-}
 
 std::string difference_text(double planned, const Share& simulated) {
   if (simulated.of == 0 || std::isnan(planned)) return "–";
@@ -93,30 +89,12 @@ std::string losses_table(const Simulation& simulation) {
                     rows);
 }
 
-/// Whose frames the matcher answered to.
-std::string frames_of_text(const Simulation& simulation) {
-  const std::string world = simulation.rendered.value("world", "");
-  if (simulation.options.value("fixes", "") == "airsim") return "frames of a simulator";
-  return world.empty() ? "frames of the map's own imagery, changed" : "frames of " + name_as_utf8(world);
-}
-
 /// Who answered the tries.
 std::string fixes_from_text(const Simulation& simulation) {
   const std::string from = simulation.options.value("fixes", "drawn");
   if (from == "drawn") return "fixes drawn by the tiles' modelled P";
   if (from == "none") return "without any fix";
   return "fixes of the matcher on " + frames_of_text(simulation);
-}
-
-/// Where most flights are lost: the stretch between two marks.
-std::string most_lost_text(const Simulation& simulation) {
-  const auto worst = std::max_element(simulation.marks.begin(), simulation.marks.end(),
-                                      [](const SimulatedMark& a, const SimulatedMark& b) { return a.lost < b.lost; });
-  if (worst == simulation.marks.end() || worst->lost == 0) return "No flight is lost.";
-  const double from_m = worst == simulation.marks.begin() ? 0 : (worst - 1)->distance_m;
-  return "Most flights are lost from " + length_text(from_m) + " to " + length_text(worst->distance_m) + ": " +
-         std::to_string(worst->lost) + " of " + std::to_string(simulation.flights - simulation.within.count) +
-         " that are lost, " + duration_text(worst->planned_time_s) + " into the flight at planned speed.";
 }
 
 std::string fixes_text(const Simulation& simulation) {
@@ -168,36 +146,6 @@ std::string one_simulation_html(const Simulation& simulation, const std::string&
 }
 
 }  // namespace
-
-QualityRow simulated_row(const Simulation& simulation, const Selection& selection) {
-  const bool by_frames = simulation.by_frames();
-  QualityRow row;
-  row.name = by_frames ? "rendered_flights" : "simulated_flights";
-  row.label = by_frames ? "Flights by computed frames that stay within the limit"
-                        : "Simulated flights that stay within the limit";
-  row.kind = NumberKind::kSimulated;
-  row.number = simulation.within.value();
-  row.unit = "1";
-  row.value = share_text(simulation.within) + ", " + flights_of(simulation.within) + "; planned " +
-              probability_text(simulation.planned_p) + (by_frames ? "; " + frames_of_text(simulation) : "");
-  if (!selection.probability) {
-    row.threshold = "none: the plan has no probability";
-    return row;
-  }
-  const double asked = selection.probability->min_p_within_limit;
-  // A flight by frames takes seconds, so that flights are few: what they do not bound, they do not contradict as long
-  // as their share is what is asked for.
-  row.threshold = "good when " + std::string(by_frames ? "it" : "the lower end of the interval") + " reaches " +
-                  probability_text(asked) + ", bad when the upper end of the interval does not";
-  row.decides = true;
-  if ((by_frames ? simulation.within.value() : simulation.within.interval().low) >= asked) return row;
-  row.status = simulation.within.interval().high < asked ? QualityStatus::kBad : QualityStatus::kMarginal;
-  row.advice =
-      row.status == QualityStatus::kBad
-          ? most_lost_text(simulation)
-          : "The interval holds what is asked for: fly more (--flights) to know. " + most_lost_text(simulation);
-  return row;
-}
 
 std::string simulation_html(const Report& report) {
   std::string html;

@@ -6,15 +6,9 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "pilotage/mission/simulation.h"
-#include "pilotage/report/quality.h"
 #include "pilotage/report/report.h"
 
 namespace pilotage {
-
-/// How the simulated flights judge the plan: bad when even the upper end of the interval of their share does not reach
-/// the probability asked for; good when its lower end does, or, where the matcher answered to frames and flights are
-/// few, the share itself. Decides where the plan has a probability.
-QualityRow simulated_row(const Simulation& simulation, const Selection& selection);
 
 /// A section of the page for each simulation.
 std::string simulation_html(const Report& report);

@@ -10,9 +10,9 @@
 #include "pilotage/ground/tile_chances.h"
 #include "pilotage/report/page_flight_json.h"
 #include "pilotage/report/page_text.h"
-#include "pilotage/report/quality.h"
-#include "pilotage/report/verdict.h"
 #include "pilotage/route/qgc_plan_writer.h"
+#include "pilotage/verdict/quality.h"
+#include "pilotage/verdict/verdict.h"
 
 namespace pilotage {
 namespace {

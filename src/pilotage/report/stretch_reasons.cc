@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "pilotage/base/text.h"
-#include "pilotage/report/reason_words.h"
+#include "pilotage/base/wording.h"
+#include "pilotage/matchability/reason_words.h"
 #include "pilotage/report/report.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

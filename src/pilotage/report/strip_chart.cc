@@ -7,8 +7,8 @@
 #include "pilotage/base/markup.h"
 #include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/report/report.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

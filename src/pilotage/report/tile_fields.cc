@@ -11,7 +11,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/ground/measures.h"
 #include "pilotage/ground/tile_table.h"
-#include "pilotage/report/tile_class.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -8,8 +8,9 @@
 #include "pilotage/base/source_date.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/camera/camera_options.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/mission/flight_time.h"
 
 namespace pilotage {
 namespace {
@@ -63,15 +64,6 @@ std::string imagery_words(const Imagery& imagery) {
 }
 
 }  // namespace
-
-double flight_time_s(const std::vector<FlightSample>& samples) {
-  double time_s = 0;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    const double way_m = samples[i].distance_m - samples[i - 1].distance_m;
-    if (way_m > 0) time_s += way_m / samples[i].speed_mps;  // a sample carries the speed at which it is reached
-  }
-  return time_s;
-}
 
 std::vector<std::pair<std::string, std::string>> title_block(const ReportInput& input) {
   const Mission& mission = input.mission;

@@ -13,7 +13,4 @@ namespace pilotage {
 /// its date, CRS. Speeds and heights are those of the route's samples; the time is the sum of length over speed.
 std::vector<std::pair<std::string, std::string>> title_block(const ReportInput& input);
 
-/// Length over speed from the first sample to the last; NaN where a speed is not known.
-double flight_time_s(const std::vector<FlightSample>& samples);
-
 }  // namespace pilotage

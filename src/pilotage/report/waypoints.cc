@@ -5,8 +5,8 @@
 #include <map>
 
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/report/page_parts.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <tuple>
 
+#include "pilotage/base/wording.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/stretch_reasons.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

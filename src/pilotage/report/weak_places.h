@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "pilotage/mission/selection.h"
-#include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
+#include "pilotage/verdict/quality.h"
 
 #pragma GCC visibility push(default)
 

@@ -12,10 +12,10 @@
 #include "pilotage/ground/tile_chances.h"
 #include "pilotage/mission/chances_beside_line.h"
 #include "pilotage/mission/tile_under.h"
-#include "pilotage/report/disagreement.h"
 #include "pilotage/report/page_flight_json.h"
 #include "pilotage/report/page_text.h"
-#include "pilotage/report/verdict.h"
+#include "pilotage/verdict/disagreement.h"
+#include "pilotage/verdict/verdict.h"
 
 namespace pilotage {
 namespace {
@@ -116,7 +116,7 @@ Json what_if_data(const ReportInput& input, const std::vector<QualityRow>& quali
   json["matchable_fraction"] = selection.matchable_fraction;
   json["interval_below"] = kIntervalBelow;
   json["disagreement"] = nullptr;
-  if (const auto apart = georeference_disagreement(input)) {
+  if (const auto apart = georeference_disagreement(judged_plan(input))) {
     json["disagreement"] = {{"largest_m", apart->largest_m}, {"median_m", apart->median_m}};
   }
   static const std::set<std::string> kPredicted = {"largest_error",     "longest_gap",

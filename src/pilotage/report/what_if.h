@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
+#include "pilotage/verdict/quality.h"
 
 namespace pilotage {
 

@@ -1,14 +1,16 @@
 #include "pilotage/reroute/judged_line.h"
 
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/geo/geodesic.h"
-#include "pilotage/report/verdict.h"
+#include "pilotage/mission/flight_time.h"
 #include "pilotage/score/score_ground.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/tile/plan_tiles.h"
+#include "pilotage/verdict/verdict.h"
 
 namespace pilotage {
 namespace {
@@ -22,12 +24,8 @@ double p_or_zero(const Selection& selection) {
 }  // namespace
 
 void judge(JudgedLine& line, const std::optional<Simulation>& simulation) {
-  ReportInput input;
-  if (simulation) input.simulations.push_back(*simulation);
-  input.mission = line.mission;
-  input.scores = line.scores;
-  input.selection = line.selection;
-  const std::vector<QualityRow> rows = quality_rows(input);
+  const std::span<const Simulation> simulations(simulation ? &*simulation : nullptr, simulation ? 1 : 0);
+  const std::vector<QualityRow> rows = quality_rows({line.mission, line.scores, line.selection, simulations});
   line.status = verdict_of(rows);
   line.text = verdict_sentence(line.status, rows, line.selection);
   line.headline = headline(rows, line.selection);
@@ -51,9 +49,7 @@ RerouteLine figures_of(const JudgedLine& line, const NoFlyZones& zones) {
   figures.matchable_fraction = line.selection.matchable_fraction;
   const std::vector<FlightSample>& samples = line.mission.flight.samples;
   figures.length_m = route_length_m(line.mission.flight.route);
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    figures.duration_s += (samples[i].distance_m - samples[i - 1].distance_m) / samples[i - 1].speed_mps;
-  }
+  figures.duration_s = flight_time_s(samples);
   const Route& route = line.mission.flight.route;
   for (std::size_t i = 0; i < route.legs.size(); ++i) {
     const GeodeticPoint from = route.vertices[static_cast<std::size_t>(route.legs[i].from)].point;

@@ -8,6 +8,7 @@
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 #include "pilotage/build_map/build_map.h"
+#include "pilotage/mission/flight_time.h"
 #include "pilotage/mission/tile_under.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/route/qgc_plan.h"
@@ -188,11 +189,7 @@ void LineFinder::keep_ways() {
 
 void LineFinder::make_model() {
   const std::vector<FlightSample>& samples = area_.flight.samples;
-  double duration_s = 0;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    duration_s += (samples[i].distance_m - samples[i - 1].distance_m) / samples[i - 1].speed_mps;
-  }
-  const double speed_mps = samples.back().distance_m / duration_s;
+  const double speed_mps = samples.back().distance_m / flight_time_s(samples);
   const GridLevel& level = area_.ground.levels.front();
   const double stride_m = level.matrix.stride_px * level.gsd_m;
   const double window_m =

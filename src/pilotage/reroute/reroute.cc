@@ -16,7 +16,6 @@
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
 #include "pilotage/ground/ground_imagery.h"
-#include "pilotage/report/verdict.h"
 #include "pilotage/reroute/judged_line.h"
 #include "pilotage/reroute/line_finder.h"
 #include "pilotage/reroute/planned_line.h"
@@ -26,6 +25,7 @@
 #include "pilotage/route/read_route.h"
 #include "pilotage/score/score_ground.h"
 #include "pilotage/tile/plan_tiles.h"
+#include "pilotage/verdict/verdict.h"
 
 namespace pilotage {
 namespace {

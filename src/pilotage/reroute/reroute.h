@@ -9,9 +9,9 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/raster/gdal_degrees.h"
-#include "pilotage/report/quality.h"
 #include "pilotage/reroute/reroute_options.h"
 #include "pilotage/route/route.h"
+#include "pilotage/verdict/quality.h"
 
 namespace pilotage {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/json_object.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/base/wording.h"
 
 namespace pilotage {
 namespace {

@@ -9,14 +9,13 @@
 #include "pilotage/base/markup.h"
 #include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/report/display_plane.h"
-#include "pilotage/report/number_kind.h"
 #include "pilotage/report/page_assets.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/page_text.h"
-#include "pilotage/report/tile_class.h"
-#include "pilotage/report/wording.h"
 #include "pilotage/reroute/reroute_assets.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pilotage/mission/flight_time.h"
 #include "pilotage/mission/tile_under.h"
 
 namespace pilotage {
@@ -129,10 +130,7 @@ ExpectedFixes expected_fixes(const Mission& mission, const std::vector<std::opti
   double time_s = 0;
   double last_try_s = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    if (i > 0) {
-      const FlightSample& from = mission.flight.samples[i - 1];
-      time_s += (mission.flight.samples[i].distance_m - from.distance_m) / from.speed_mps;
-    }
+    if (i > 0) time_s += step_time_s(mission.flight.samples[i - 1], mission.flight.samples[i]);
     if (!tiles[i] || !stored[*tiles[i]] || time_s - last_try_s < tries.interval_s) continue;
     last_try_s = time_s;
     expected.correct += frames * p_of_tile[*tiles[i]];

@@ -6,6 +6,7 @@
 
 #include "pilotage/ins/ins_error_model.h"
 #include "pilotage/ins/ins_state.h"
+#include "pilotage/mission/flight_time.h"
 
 namespace pilotage {
 namespace {
@@ -23,8 +24,7 @@ InsAtSample ins_at_start(const Mission& mission, const InsErrorModel& model) {
 }
 
 double step_s(const Mission& mission, std::size_t from) {
-  const FlightSample& a = mission.flight.samples[from];
-  return (mission.flight.samples[from + 1].distance_m - a.distance_m) / a.speed_mps;
+  return step_time_s(mission.flight.samples[from], mission.flight.samples[from + 1]);
 }
 
 void hold_with_gnss(InsAtSample& aircraft, const Mission& mission, const InsErrorModel& model) {

@@ -12,6 +12,7 @@
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/base/text.h"
+#include "pilotage/mission/flight_time.h"
 
 namespace pilotage {
 namespace {
@@ -77,7 +78,7 @@ TruePlaceEllipse ellipse_around(const std::vector<Eigen::Vector2d>& places_m) {
 std::vector<double> planned_times_s(const std::vector<FlightSample>& samples) {
   std::vector<double> times_s{0};
   for (std::size_t i = 1; i < samples.size(); ++i) {
-    times_s.push_back(times_s.back() + (samples[i].distance_m - samples[i - 1].distance_m) / samples[i - 1].speed_mps);
+    times_s.push_back(times_s.back() + step_time_s(samples[i - 1], samples[i]));
   }
   return times_s;
 }

@@ -12,7 +12,7 @@
 #include "pilotage/base/statistics.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_crs.h"
-#include "pilotage/report/tile_class.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/ground/score_table.h"
-#include "pilotage/report/reason_words.h"
+#include "pilotage/matchability/reason_words.h"
 
 namespace pilotage {
 

@@ -11,6 +11,7 @@
 #include "pilotage/base/source_date.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/ground/imagery_months.h"
 #include "pilotage/ground/tile_chances.h"
 #include "pilotage/matchability/level_at_age.h"
@@ -18,13 +19,12 @@
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/display_plane.h"
-#include "pilotage/report/imagery_age.h"
 #include "pilotage/report/landmark_prospects.h"
-#include "pilotage/report/map_ageing.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/sketch.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/verdict/imagery_age.h"
+#include "pilotage/verdict/map_holds.h"
 
 namespace pilotage {
 namespace {

@@ -5,14 +5,14 @@
 
 #include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/report/ground_json.h"
 #include "pilotage/report/page_assets.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/page_text.h"
-#include "pilotage/report/tile_class.h"
-#include "pilotage/report/wording.h"
 #include "pilotage/survey/survey.h"
 #include "pilotage/survey/survey_assets.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -11,8 +11,8 @@
 #include "pilotage/camera/camera_text.h"
 #include "pilotage/report/ground_json.h"
 #include "pilotage/report/report_file.h"
-#include "pilotage/report/tile_class.h"
 #include "pilotage/survey/survey.h"
+#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/gis/degree_overlay.h"
 #include "pilotage/gis/ground_layers.h"
 #include "pilotage/gis/qgis_style.h"
 #include "pilotage/mapdb/geopackage_rows.h"
 #include "pilotage/raster/gdal_zip.h"
-#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {

@@ -1,4 +1,4 @@
-#include "pilotage/report/evidence.h"
+#include "pilotage/verdict/evidence.h"
 
 #include "report/report_scene.h"
 #include <gmock/gmock.h>
@@ -81,7 +81,7 @@ TEST(Evidence, IsReadFromTheStrongestDown) {
 }
 
 TEST(Evidence, ThatIsNotThereIsSaid) {
-  const std::vector<QualityRow> rows = quality_rows(planned());
+  const std::vector<QualityRow> rows = quality_rows(judged_plan(planned()));
   EXPECT_EQ(missing_evidence(rows), "not there: flown flights, frames of another date, drawn flights");
   const std::vector<std::string> lines = evidence_lines(rows);
   ASSERT_EQ(lines.size(), 4U);

@@ -1,4 +1,4 @@
-#include "pilotage/report/imagery_age.h"
+#include "pilotage/verdict/imagery_age.h"
 
 #include <algorithm>
 #include <chrono>
@@ -6,26 +6,19 @@
 #include <optional>
 
 #include <Eigen/Core>
-#include <nlohmann/json.hpp>
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
-#include "pilotage/base/markup.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
-#include "pilotage/base/variant_json.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/ground/imagery_months.h"
 #include "pilotage/matchability/level_at_age.h"
-#include "pilotage/report/page_parts.h"
-#include "pilotage/report/tile_fields.h"
-#include "pilotage/report/title_block.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/mission/flight_time.h"
 
 namespace pilotage {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kShadowHeight_m = 10;
 // Rules of thumb, and said to be: no measurement stands behind them.
@@ -84,10 +77,6 @@ FlightSun flight_sun(const ImageryAge& age, GeodeticPoint point, UtcTime time) {
   return at;
 }
 
-std::string clock_text(UtcTime time) {
-  return format_utc_time(time).substr(11, 5);
-}
-
 std::string age_text(double age_months, double season_months) {
   if (age_months < 0) return months_text(-age_months) + " younger than the flight";
   return months_text(age_months) + " old, " + months_text(season_months) + " apart in season";
@@ -118,10 +107,6 @@ std::string counted_text(const ImageryAge& age, std::optional<bool> counted) {
 std::string sun_text(const SunPosition& sun) {
   if (sun.elevation_deg < kSunset_deg) return format_fixed(-sun.elevation_deg, 0) + "° below the horizon";
   return format_fixed(sun.elevation_deg, 0) + "° high in " + format_fixed(sun.azimuth_deg, 0) + "°";
-}
-
-bool shift_is_known(const FlightSun& at) {
-  return std::isfinite(at.shadow_shift_m);
 }
 
 QualityRow age_row(const ImageryAge& age) {
@@ -187,6 +172,14 @@ QualityRow hidden_row(const GroundHidden& hidden) {
 }
 
 }  // namespace
+
+std::string clock_text(UtcTime time) {
+  return format_utc_time(time).substr(11, 5);
+}
+
+bool shift_is_known(const FlightSun& at) {
+  return std::isfinite(at.shadow_shift_m);
+}
 
 std::optional<ImageryAge> imagery_age(const Mission& mission) {
   const Flight& flight = mission.flight;
@@ -304,51 +297,6 @@ std::vector<QualityRow> imagery_age_rows(const Mission& mission) {
   if (age->flight) rows.push_back(sun_row(*age->flight));
   if (mission.flight.ground_hidden) rows.push_back(hidden_row(*mission.flight.ground_hidden));
   return rows;
-}
-
-std::string imagery_age_html(const std::optional<ImageryAge>& age) {
-  if (!age) return "";
-  std::string html =
-      "<section aria-labelledby=\"age-heading\">\n  <h2 id=\"age-heading\">Age of the imagery, and its light</h2>\n";
-  for (const std::string& sentence : imagery_age_sentences(*age)) html += "  <p>" + html_escape(sentence) + "</p>\n";
-  if (age->hours.empty()) return html + "</section>\n";
-  std::string rows;
-  for (const FlightSun& at : age->hours) {
-    rows += "<tr>" + heading_html(clock_text(at.time)) +
-            cell_html("Sun's height", number_text(at.sun.elevation_deg, 0) + "°") +
-            cell_html("Azimuth", number_text(at.sun.azimuth_deg, 0) + "°") +
-            cell_html("Shadows of 10 m end off by", shift_is_known(at) ? error_text(at.shadow_shift_m) : "–") +
-            "</tr>\n";
-  }
-  return html + "  <details><summary>Sun and shadows by the hour</summary>\n" +
-         table_html("Table of the sun by the hour", {"UTC", "Sun's height", "Azimuth", "Shadows of 10 m end off by"},
-                    rows) +
-         "</details>\n</section>\n";
-}
-
-Json imagery_age_json(const ImageryAge& age) {
-  const auto number = [](double value) { return variant_to_json(number_value(value)); };
-  const auto sun_json = [&](const SunPosition& sun) {
-    return Json{{"azimuth_deg", number(sun.azimuth_deg)}, {"elevation_deg", number(sun.elevation_deg)}};
-  };
-  const auto flight_json = [&](const FlightSun& at) {
-    return Json{{"time_utc", format_utc_time(at.time)},
-                {"sun", sun_json(at.sun)},
-                {"shadow_shift_m", number(at.shadow_shift_m)}};
-  };
-  Json json = {{"flight_time", age.flight_time}, {"datasets", Json::array()}};
-  for (const DatasetAge& imagery : age.datasets) {
-    json["datasets"].push_back({{"dataset", imagery.dataset},
-                                {"acquired", imagery.acquired},
-                                {"age_months", number(imagery.age_months)},
-                                {"season_months", number(imagery.season_months)},
-                                {"hour_known", imagery.hour_known},
-                                {"sun", imagery.sun ? sun_json(*imagery.sun) : Json()}});
-  }
-  json["flight"] = age.flight ? flight_json(*age.flight) : Json();
-  json["hours"] = Json::array();
-  for (const FlightSun& at : age.hours) json["hours"].push_back(flight_json(at));
-  return json;
 }
 
 }  // namespace pilotage

@@ -3,8 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "pilotage/report/quality.h"
-#include "pilotage/report/report_input.h"
+#include "pilotage/verdict/quality.h"
 
 namespace pilotage {
 
@@ -16,10 +15,10 @@ struct GeoreferenceDisagreement {
   double budget_m = 0;         ///< k·σ of a fix: what the prediction counts on.
   double largest_error_m = 0;  ///< Largest predicted error, and the disagreement on top.
 };
-std::optional<GeoreferenceDisagreement> georeference_disagreement(const ReportInput& input);
+std::optional<GeoreferenceDisagreement> georeference_disagreement(const JudgedPlan& plan);
 
 /// A sentence for the planner where the disagreement is beyond the budget; else "".
-std::string disagreement_warning(const ReportInput& input);
+std::string disagreement_warning(const JudgedPlan& plan);
 
 /// The line of the quality table. It decides: marginal beyond the budget, bad where the largest error with the
 /// disagreement on top is beyond the limit.

@@ -1,4 +1,4 @@
-#include "pilotage/report/imagery_age.h"
+#include "pilotage/verdict/imagery_age.h"
 
 #include <cmath>
 
@@ -8,8 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/report/imagery_age_section.h"
 #include "pilotage/report/report.h"
-#include "pilotage/report/verdict.h"
+#include "pilotage/verdict/verdict.h"
 
 namespace pilotage {
 namespace {

@@ -1,4 +1,4 @@
-#include "pilotage/report/wording.h"
+#include "pilotage/base/wording.h"
 
 #include <limits>
 

@@ -1,4 +1,4 @@
-#include "pilotage/report/reason_words.h"
+#include "pilotage/matchability/reason_words.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "pilotage/report/tile_class.h"
+#include "pilotage/verdict/tile_class.h"
 
 #include <cmath>
 

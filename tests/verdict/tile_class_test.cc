@@ -1,4 +1,4 @@
-#include "pilotage/report/tile_class.h"
+#include "pilotage/verdict/tile_class.h"
 
 #include <cmath>
 #include <set>
@@ -49,6 +49,13 @@ TEST(TileClass, ClassesHaveNamesAndColoursOfTheirOwn) {
   EXPECT_EQ(names, (std::set<std::string>{"go", "marginal", "no-go"}));
   EXPECT_EQ(colors.size(), 3u);
   EXPECT_EQ(tile_classes()[static_cast<std::size_t>(TileClass::kNoGo)].name, "no-go");
+}
+
+// Eyes trained on traffic lights read yellow as caution: what is good has the blue of good.
+TEST(ColorTable, GoodIsTheBlueOfGood) {
+  const auto blues = color_table(ColorMap::kBlues);
+  EXPECT_EQ(blues[182], status_color(QualityStatus::kGood));
+  for (std::size_t i = 64; i < blues.size(); ++i) EXPECT_GT(blues[i].blue, blues[i].red + 40) << i;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "pilotage/report/verdict.h"
+#include "pilotage/verdict/verdict.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/ins/ins_products.h"
-#include "pilotage/report/evidence.h"
-#include "pilotage/report/imagery_age.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/verdict/evidence.h"
+#include "pilotage/verdict/imagery_age.h"
 
 namespace pilotage {
 namespace {

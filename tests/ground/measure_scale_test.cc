@@ -1,4 +1,4 @@
-#include "pilotage/report/measure_scale.h"
+#include "pilotage/ground/measure_scale.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,6 @@
 #include <limits>
 
 #include <gtest/gtest.h>
-
-#include "pilotage/report/tile_class.h"
 
 namespace pilotage {
 namespace {
@@ -82,13 +80,6 @@ TEST(ColorTable, EqualStepsOfBluesLookAlike) {
   }
   const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
   EXPECT_LT(*most / *least, 1.2);  // was 1.63
-}
-
-// Eyes trained on traffic lights read yellow as caution: what is good has the blue of good.
-TEST(ColorTable, GoodIsTheBlueOfGood) {
-  const auto blues = color_table(ColorMap::kBlues);
-  EXPECT_EQ(blues[182], status_color(QualityStatus::kGood));
-  for (std::size_t i = 64; i < blues.size(); ++i) EXPECT_GT(blues[i].blue, blues[i].red + 40) << i;
 }
 
 TEST(MeasureScale, SpansTheSecondToTheNinetyEighthPercentile) {

@@ -1,16 +1,28 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "pilotage/report/number_kind.h"
-#include "pilotage/report/report_input.h"
+#include "pilotage/ground/tile_scores.h"
+#include "pilotage/mission/mission.h"
+#include "pilotage/mission/selection.h"
+#include "pilotage/mission/simulation.h"
 
 #pragma GCC visibility push(default)
 
 namespace pilotage {
+
+/// What a number rests on.
+enum class NumberKind {
+  kMeasured,   ///< On the imagery, or on flights.
+  kSimulated,  ///< By flights or frames that were computed with drawn errors.
+  kModelled,   ///< By a formula: the inertial error model, or a fitted P.
+  kStated,     ///< By the mission or the plan: nothing was found out.
+};
 
 enum class QualityStatus { kGood, kMarginal, kBad };
 
@@ -89,7 +101,28 @@ std::string gap_text(const RouteGap& gap);
 /// "0.982 ≥ 0.900" or "0.873 < 0.900"
 std::string probability_comparison(const RouteProbability& route);
 
-std::vector<QualityRow> quality_rows(const ReportInput& input);
+/// What flights that were flown say of the P that the plan rests on. Of replay.json.
+struct FlownAgainstPlan {
+  std::int64_t tries = 0;          ///< Over stored tiles, with priors that P is of;
+  std::int64_t fixes = 0;          ///< those that gave a fix which is not known to be false;
+  double predicted = 0;            ///< and the share of them that was predicted.
+  double z = 0;                    ///< Fixes less predicted ones in standard deviations, were tries independent;
+  double z_with_level = 0;         ///< and with the level of the place, which all tries share.
+  std::int64_t without_right = 0;  ///< Tries of the whole flight that gave no right fix;
+  std::int64_t false_taken = 0;    ///< those of them that gave a false one.
+};
+
+/// What a plan is judged by. It only refers to what it is given.
+struct JudgedPlan {
+  const Mission& mission;
+  const std::vector<TileScores>& scores;  ///< Of the ground's tiles, in their order.
+  const Selection& selection;
+  std::span<const Simulation> simulations = {};  ///< What `simulate` found of this plan.
+  const FlownAgainstPlan* flown = nullptr;       ///< What `replay` found of flights by it; may be null.
+};
+
+/// The rows that decide first. Throws DataError when the mission's time of the flight is none.
+std::vector<QualityRow> quality_rows(const JudgedPlan& plan);
 
 }  // namespace pilotage
 

@@ -1,16 +1,15 @@
-#include "pilotage/report/quality.h"
+#include "pilotage/verdict/quality.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "pilotage/base/text.h"
-#include "pilotage/report/disagreement.h"
-#include "pilotage/report/evidence.h"
-#include "pilotage/report/imagery_age.h"
-#include "pilotage/report/map_ageing.h"
-#include "pilotage/report/simulated_flights.h"
-#include "pilotage/report/wording.h"
+#include "pilotage/base/wording.h"
+#include "pilotage/verdict/disagreement.h"
+#include "pilotage/verdict/evidence.h"
+#include "pilotage/verdict/imagery_age.h"
+#include "pilotage/verdict/map_holds.h"
 
 namespace pilotage {
 namespace {
@@ -128,20 +127,20 @@ QualityRow matchable_row(const Selection& selection) {
   return row;
 }
 
-QualityRow selected_row(const ReportInput& input) {
+QualityRow selected_row(const JudgedPlan& plan) {
   QualityRow row;
   row.name = "selected_tiles";
   row.label = "Tiles selected for the map";
-  row.number = static_cast<double>(input.selection.tile_ids.size());
+  row.number = static_cast<double>(plan.selection.tile_ids.size());
   row.unit = "tiles";
   row.value =
-      std::to_string(input.selection.tile_ids.size()) + " of " + std::to_string(input.mission.ground.tiles.size());
-  if (input.selection.estimated_bytes > 0) {
-    row.value += ", about " + bytes_text(static_cast<double>(input.selection.estimated_bytes));
+      std::to_string(plan.selection.tile_ids.size()) + " of " + std::to_string(plan.mission.ground.tiles.size());
+  if (plan.selection.estimated_bytes > 0) {
+    row.value += ", about " + bytes_text(static_cast<double>(plan.selection.estimated_bytes));
   }
   row.threshold = "good from 1";
   row.decides = true;
-  if (input.selection.tile_ids.empty()) {
+  if (plan.selection.tile_ids.empty()) {
     row.status = QualityStatus::kMarginal;
     row.advice = "The map is empty: the flight would rest on the inertial system alone.";
   }
@@ -223,16 +222,16 @@ QualityRow footprint_row(const Mission& mission) {
   return row;
 }
 
-QualityRow scored_row(const ReportInput& input) {
+QualityRow scored_row(const JudgedPlan& plan) {
   std::size_t scored = 0;
   std::size_t little = 0;
   std::size_t flat = 0;
-  for (const TileScores& score : input.scores) {
+  for (const TileScores& score : plan.scores) {
     if (score.status == TileStatus::kScored) ++scored;
     if (score.status == TileStatus::kTooLittleGround) ++little;
     if (score.status == TileStatus::kFlat) ++flat;
   }
-  const std::size_t all = input.mission.ground.tiles.size();
+  const std::size_t all = plan.mission.ground.tiles.size();
   QualityRow row;
   row.name = "scored_tiles";
   row.kind = NumberKind::kMeasured;
@@ -249,13 +248,13 @@ QualityRow scored_row(const ReportInput& input) {
   return row;
 }
 
-QualityRow ambiguous_row(const ReportInput& input) {
-  const std::set<std::int64_t> selected(input.selection.tile_ids.begin(), input.selection.tile_ids.end());
+QualityRow ambiguous_row(const JudgedPlan& plan) {
+  const std::set<std::int64_t> selected(plan.selection.tile_ids.begin(), plan.selection.tile_ids.end());
   std::size_t judged = 0;
   std::size_t ambiguous = 0;
-  for (std::size_t i = 0; i < input.scores.size(); ++i) {
-    const TileScores& score = input.scores[i];
-    if (!selected.contains(input.mission.ground.tiles[i].tile_id) || std::isnan(score.degraded.margin)) continue;
+  for (std::size_t i = 0; i < plan.scores.size(); ++i) {
+    const TileScores& score = plan.scores[i];
+    if (!selected.contains(plan.mission.ground.tiles[i].tile_id) || std::isnan(score.degraded.margin)) continue;
     ++judged;
     if (score.degraded.margin <= 0) ++ambiguous;
   }
@@ -396,32 +395,31 @@ std::string probability_comparison(const RouteProbability& route) {
          probability_text(route.interval->high);
 }
 
-std::vector<QualityRow> quality_rows(const ReportInput& input) {
-  std::vector<QualityRow> rows = {largest_error_row(input.selection),
-                                  longest_gap_row(input.selection),
-                                  matchable_row(input.selection),
-                                  selected_row(input),
-                                  ambiguous_row(input),
-                                  coverage_row(input.mission),
-                                  scored_row(input),
-                                  gsd_row(input.mission),
-                                  footprint_row(input.mission),
-                                  distortion_row(input.mission),
-                                  imagery_date_row(input.mission)};
-  for (QualityRow& row : imagery_age_rows(input.mission)) rows.push_back(std::move(row));
-  if (auto row = ageing_row(input.mission, input.selection)) rows.push_back(*std::move(row));
-  if (const auto found = georeference_disagreement(input)) {
-    rows.insert(rows.begin() + 2, disagreement_row(*found, input.selection));
+std::vector<QualityRow> quality_rows(const JudgedPlan& plan) {
+  std::vector<QualityRow> rows = {largest_error_row(plan.selection),
+                                  longest_gap_row(plan.selection),
+                                  matchable_row(plan.selection),
+                                  selected_row(plan),
+                                  ambiguous_row(plan),
+                                  coverage_row(plan.mission),
+                                  scored_row(plan),
+                                  gsd_row(plan.mission),
+                                  footprint_row(plan.mission),
+                                  distortion_row(plan.mission),
+                                  imagery_date_row(plan.mission)};
+  for (QualityRow& row : imagery_age_rows(plan.mission)) rows.push_back(std::move(row));
+  if (auto row = ageing_row(plan.mission, plan.selection)) rows.push_back(*std::move(row));
+  if (const auto found = georeference_disagreement(plan)) {
+    rows.insert(rows.begin() + 2, disagreement_row(*found, plan.selection));
   }
-  if (const auto& probability = input.selection.probability) {
+  if (const auto& probability = plan.selection.probability) {
     rows.insert(rows.begin() + 2, probability_row(*probability));
   }
-  for (const Simulation& simulation : input.simulations) {
-    rows.insert(rows.begin() + 2, simulated_row(simulation, input.selection));
+  for (const Simulation& simulation : plan.simulations) {
+    rows.insert(rows.begin() + 2, simulated_row(simulation, plan.selection));
   }
-  if (input.replay && input.replay->flown)
-    rows.insert(rows.begin() + 2, flown_row(*input.replay->flown, input.selection));
-  if (!input.selection.matchability_judged) rows.insert(rows.begin() + 2, not_judged_row());
+  if (plan.flown != nullptr) rows.insert(rows.begin() + 2, flown_row(*plan.flown, plan.selection));
+  if (!plan.selection.matchability_judged) rows.insert(rows.begin() + 2, not_judged_row());
   return rows;
 }
 

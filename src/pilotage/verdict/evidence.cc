@@ -1,13 +1,16 @@
-#include "pilotage/report/evidence.h"
+#include "pilotage/verdict/evidence.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
 
-#include "pilotage/base/error.h"
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
+#include "pilotage/base/wording.h"
 #include "pilotage/mission/simulation_file.h"
 
 namespace pilotage {
@@ -15,7 +18,6 @@ namespace {
 
 constexpr double kMarginalSigmas = 2;
 constexpr double kBadSigmas = 3;
-constexpr double kSameP = 1e-9;
 
 /// A kind of evidence: what it is called, the words for it where it is not there ("" for the model),
 /// the row of the quality table that holds it, how to get it.
@@ -58,14 +60,6 @@ std::string judged_text(const QualityRow* row, const std::string& absent) {
 
 }  // namespace
 
-void refuse_other_replay(const ReplayNote& replay, const Selection& selection) {
-  if (!replay.planned_p || !selection.probability) return;
-  const double here = selection.probability->p_within_limit;
-  if (std::abs(*replay.planned_p - here) <= kSameP) return;
-  throw DataError(replay.file + ": was held against a plan of P " + probability_text(*replay.planned_p) +
-                  ", and here it is " + probability_text(here) + "; run `pilotage replay --plan` again");
-}
-
 QualityRow flown_row(const FlownAgainstPlan& flown, const Selection& selection) {
   QualityRow row;
   row.name = "flown_flights";
@@ -104,6 +98,56 @@ QualityRow flown_row(const FlownAgainstPlan& flown, const Selection& selection) 
         "More fixes are false than are reckoned with: look at them (replay --fixes) before flying by this map.";
   }
   return row;
+}
+
+QualityRow simulated_row(const Simulation& simulation, const Selection& selection) {
+  const bool by_frames = simulation.by_frames();
+  QualityRow row;
+  row.name = by_frames ? "rendered_flights" : "simulated_flights";
+  row.label = by_frames ? "Flights by computed frames that stay within the limit"
+                        : "Simulated flights that stay within the limit";
+  row.kind = NumberKind::kSimulated;
+  row.number = simulation.within.value();
+  row.unit = "1";
+  row.value = share_text(simulation.within) + ", " + flights_of(simulation.within) + "; planned " +
+              probability_text(simulation.planned_p) + (by_frames ? "; " + frames_of_text(simulation) : "");
+  if (!selection.probability) {
+    row.threshold = "none: the plan has no probability";
+    return row;
+  }
+  const double asked = selection.probability->min_p_within_limit;
+  // A flight by frames takes seconds, so that flights are few: what they do not bound, they do not contradict as long
+  // as their share is what is asked for.
+  row.threshold = "good when " + std::string(by_frames ? "it" : "the lower end of the interval") + " reaches " +
+                  probability_text(asked) + ", bad when the upper end of the interval does not";
+  row.decides = true;
+  if ((by_frames ? simulation.within.value() : simulation.within.interval().low) >= asked) return row;
+  row.status = simulation.within.interval().high < asked ? QualityStatus::kBad : QualityStatus::kMarginal;
+  row.advice =
+      row.status == QualityStatus::kBad
+          ? most_lost_text(simulation)
+          : "The interval holds what is asked for: fly more (--flights) to know. " + most_lost_text(simulation);
+  return row;
+}
+
+std::string flights_of(const Share& share) {
+  return std::to_string(share.count) + " of " + std::to_string(share.of) + " flights";
+}
+
+std::string frames_of_text(const Simulation& simulation) {
+  const std::string world = simulation.rendered.value("world", "");
+  if (simulation.options.value("fixes", "") == "airsim") return "frames of a simulator";
+  return world.empty() ? "frames of the map's own imagery, changed" : "frames of " + name_as_utf8(world);
+}
+
+std::string most_lost_text(const Simulation& simulation) {
+  const auto worst = std::max_element(simulation.marks.begin(), simulation.marks.end(),
+                                      [](const SimulatedMark& a, const SimulatedMark& b) { return a.lost < b.lost; });
+  if (worst == simulation.marks.end() || worst->lost == 0) return "No flight is lost.";
+  const double from_m = worst == simulation.marks.begin() ? 0 : (worst - 1)->distance_m;
+  return "Most flights are lost from " + length_text(from_m) + " to " + length_text(worst->distance_m) + ": " +
+         std::to_string(worst->lost) + " of " + std::to_string(simulation.flights - simulation.within.count) +
+         " that are lost, " + duration_text(worst->planned_time_s) + " into the flight at planned speed.";
 }
 
 std::vector<const QualityRow*> evidence_rows(const std::vector<QualityRow>& rows) {

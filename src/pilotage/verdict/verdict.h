@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "pilotage/mission/mission.h"
-#include "pilotage/report/quality.h"
-#include "pilotage/report/report_input.h"
+#include "pilotage/verdict/quality.h"
 
 namespace pilotage {
 
@@ -15,7 +14,7 @@ QualityStatus verdict_of(const std::vector<QualityRow>& rows);
 /// How many flights of a hundred stay within the limit, and on what that rests: "95 of 100 flights stay within 60 m all
 /// the way, if what is assumed holds (P = 0.957 ≥ 0.900)". The number is P rounded down, so that it is never said
 /// larger than it is. Without probabilities it is the predicted error, and that how often fixes come is not known.
-/// Where stronger evidence contradicts the model (report/evidence.h), that stands before it.
+/// Where stronger evidence contradicts the model (verdict/evidence.h), that stands before it.
 std::string headline(const std::vector<QualityRow>& rows, const Selection& selection);
 
 /// What the headline does not say: "matchable on 87 % of its length; longest gap 3.4 km = 122 s at 28 m/s; drift there

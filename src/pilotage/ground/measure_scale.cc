@@ -1,4 +1,4 @@
-#include "pilotage/report/measure_scale.h"
+#include "pilotage/ground/measure_scale.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,12 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "pilotage/base/utc_time.h"
 #include "pilotage/geo/sun_position.h"
 #include "pilotage/mission/mission.h"
-#include "pilotage/report/quality.h"
+#include "pilotage/verdict/quality.h"
 
 #pragma GCC visibility push(default)
 
@@ -47,6 +45,12 @@ struct ImageryAge {
   std::vector<FlightSun> hours;     ///< At the full hours UTC of that day with the sun at least kLowSun_deg high.
 };
 
+/// "14:05", UTC.
+std::string clock_text(UtcTime time);
+
+/// Whether both suns stand high enough to cast shadows that can be told.
+bool shift_is_known(const FlightSun& at);
+
 /// Nothing without a time of the flight. Throws DataError when that is none, or the flight has no sample.
 std::optional<ImageryAge> imagery_age(const Mission& mission);
 
@@ -75,12 +79,6 @@ std::string imagery_age_assumptions(const Mission& mission, std::optional<bool> 
 
 /// Rows for age and season, for the sun where the hour is known (it decides), and for clouds where a table was given.
 std::vector<QualityRow> imagery_age_rows(const Mission& mission);
-
-/// The section of the page; "" without a time of the flight.
-std::string imagery_age_html(const std::optional<ImageryAge>& age);
-
-/// As it stands in report.json.
-nlohmann::ordered_json imagery_age_json(const ImageryAge& age);
 
 }  // namespace pilotage
 

@@ -1,20 +1,20 @@
-#include "pilotage/report/disagreement.h"
+#include "pilotage/verdict/disagreement.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
 
-#include "pilotage/report/wording.h"
+#include "pilotage/base/wording.h"
 
 namespace pilotage {
 
-std::optional<GeoreferenceDisagreement> georeference_disagreement(const ReportInput& input) {
-  const std::set<std::int64_t> selected(input.selection.tile_ids.begin(), input.selection.tile_ids.end());
+std::optional<GeoreferenceDisagreement> georeference_disagreement(const JudgedPlan& plan) {
+  const std::set<std::int64_t> selected(plan.selection.tile_ids.begin(), plan.selection.tile_ids.end());
   std::vector<double> apart_m;
-  for (std::size_t i = 0; i < input.scores.size(); ++i) {
-    const double disagreement_m = input.scores[i].epoch.disagreement_m;
-    if (std::isfinite(disagreement_m) && selected.contains(input.mission.ground.tiles[i].tile_id)) {
+  for (std::size_t i = 0; i < plan.scores.size(); ++i) {
+    const double disagreement_m = plan.scores[i].epoch.disagreement_m;
+    if (std::isfinite(disagreement_m) && selected.contains(plan.mission.ground.tiles[i].tile_id)) {
       apart_m.push_back(disagreement_m);
     }
   }
@@ -23,13 +23,13 @@ std::optional<GeoreferenceDisagreement> georeference_disagreement(const ReportIn
   GeoreferenceDisagreement found;
   found.median_m = apart_m[apart_m.size() / 2];
   found.largest_m = apart_m.back();
-  found.budget_m = input.selection.sigma_multiple * input.mission.flight.ins.fix_sigma_m;
-  found.largest_error_m = largest_error_m(input.selection) + found.largest_m;
+  found.budget_m = plan.selection.sigma_multiple * plan.mission.flight.ins.fix_sigma_m;
+  found.largest_error_m = largest_error_m(plan.selection) + found.largest_m;
   return found;
 }
 
-std::string disagreement_warning(const ReportInput& input) {
-  const auto found = georeference_disagreement(input);
+std::string disagreement_warning(const JudgedPlan& plan) {
+  const auto found = georeference_disagreement(plan);
   if (!found || found->largest_m <= found->budget_m) return "";
   return "the second date lies up to " + error_text(found->largest_m) + " (median " + error_text(found->median_m) +
          ") from the imagery where tiles are selected, more than the " + error_text(found->budget_m) +

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "pilotage/ground/measure_scale.h"
 #include "pilotage/ground/tile_scores.h"
 #include "pilotage/raster/gdal_write.h"
-#include "pilotage/report/measure_scale.h"
-#include "pilotage/report/quality.h"
+#include "pilotage/verdict/quality.h"
 
 namespace pilotage {
 

@@ -1,4 +1,4 @@
-#include "pilotage/report/quality.h"
+#include "pilotage/verdict/quality.h"
 
 #include <cmath>
 #include <limits>
@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/nan.h"
-#include "pilotage/report/disagreement.h"
-#include "pilotage/report/verdict.h"
+#include "pilotage/verdict/disagreement.h"
+#include "pilotage/verdict/verdict.h"
 
 namespace pilotage {
 namespace {
@@ -53,14 +53,14 @@ ReportInput plain_input(double gap_error_m, double limit_m) {
 }
 
 QualityRow row_named(const ReportInput& input, const std::string& name) {
-  for (const QualityRow& row : quality_rows(input)) {
+  for (const QualityRow& row : quality_rows(judged_plan(input))) {
     if (row.name == name) return row;
   }
   throw std::out_of_range(name);
 }
 
 std::string sentence(const ReportInput& input) {
-  const auto rows = quality_rows(input);
+  const auto rows = quality_rows(judged_plan(input));
   return verdict_sentence(verdict_of(rows), rows, input.selection);
 }
 
@@ -285,18 +285,18 @@ TEST(JudgeGap, WhereFlightsAreLostItIsBad) {
 TEST(Disagreement, BeyondTheBudgetItDecides) {
   ReportInput input = plain_input(20, 50);
   EXPECT_THROW(row_named(input, "georeference_disagreement"), std::out_of_range) << "without a second date no row";
-  EXPECT_EQ(disagreement_warning(input), "");
+  EXPECT_EQ(disagreement_warning(judged_plan(input)), "");
   input.scores[0].epoch.disagreement_m = 4;
   input.scores[1].epoch.disagreement_m = 5.9;
   EXPECT_EQ(row_named(input, "georeference_disagreement").status, QualityStatus::kGood) << "3 σ of a fix are 6 m";
   EXPECT_THAT(sentence(input), StartsWith("GO: "));
-  EXPECT_EQ(disagreement_warning(input), "");
+  EXPECT_EQ(disagreement_warning(judged_plan(input)), "");
   input.scores[1].epoch.disagreement_m = 27.3;
   EXPECT_EQ(row_named(input, "georeference_disagreement").status, QualityStatus::kMarginal);
   EXPECT_EQ(row_named(input, "georeference_disagreement").value,
             "up to 27 m, median 27 m; largest error with it 47 m ≤ 50 m");
   EXPECT_THAT(sentence(input), StartsWith("MARGINAL: "));
-  EXPECT_THAT(disagreement_warning(input),
+  EXPECT_THAT(disagreement_warning(judged_plan(input)),
               StartsWith("the second date lies up to 27 m (median 27 m) from the imagery"));
   input.scores[1].epoch.disagreement_m = 31;
   EXPECT_THAT(sentence(input), StartsWith("NO-GO: "));
@@ -306,7 +306,7 @@ TEST(Disagreement, BeyondTheBudgetItDecides) {
 }
 
 TEST(QualityRows, AllGoodWithoutAdvice) {
-  for (const QualityRow& row : quality_rows(plain_input(31, 50))) {
+  for (const QualityRow& row : quality_rows(judged_plan(plain_input(31, 50)))) {
     EXPECT_EQ(row.status, QualityStatus::kGood) << row.name;
     EXPECT_EQ(row.advice, "") << row.name;
     EXPECT_NE(row.threshold, "") << row.name;
@@ -352,7 +352,7 @@ TEST(QualityRows, AmbiguousTilesAreCountedAmongTheSelected) {
 }
 
 TEST(QualityRows, NothingAtAllIsNotGood) {
-  const auto rows = quality_rows(ReportInput{});
+  const auto rows = quality_rows(judged_plan(ReportInput{}));
   EXPECT_EQ(verdict_of(rows), QualityStatus::kBad);
   EXPECT_EQ(verdict_of({}), QualityStatus::kBad);
 }

@@ -3,21 +3,32 @@
 #include <string>
 #include <vector>
 
-#include "pilotage/report/flight_notes.h"
-#include "pilotage/report/quality.h"
+#include "pilotage/mission/simulation.h"
+#include "pilotage/verdict/quality.h"
 
 namespace pilotage {
 
 // What a verdict rests on. A flight that was flown says more than one whose frames were computed, that more than one
 // whose fixes were drawn, and that more than the model; the verdict is the lowest that any of them allows.
 
-/// Throws DataError when the replay was held against a plan with another P than this selection has.
-void refuse_other_replay(const ReplayNote& replay, const Selection& selection);
-
 /// The line of the quality table. It decides: bad where fewer fixes came than even the level of the place lets expect
 /// (z_with_level below −3); marginal below −2, where z is below −3, and where the exact 95 % interval of the share of
 /// false fixes lies above the rate that the plan reckons with. More fixes than predicted are good.
 QualityRow flown_row(const FlownAgainstPlan& flown, const Selection& selection);
+
+/// How the simulated flights judge the plan: bad when even the upper end of the interval of their share does not reach
+/// the probability asked for; good when its lower end does, or, where the matcher answered to frames and flights are
+/// few, the share itself. Decides where the plan has a probability.
+QualityRow simulated_row(const Simulation& simulation, const Selection& selection);
+
+/// "912 of 1000 flights"
+std::string flights_of(const Share& share);
+
+/// Whose frames the matcher answered to: "frames of later.tif".
+std::string frames_of_text(const Simulation& simulation);
+
+/// Where most flights are lost: a sentence on the stretch between two marks.
+std::string most_lost_text(const Simulation& simulation);
 
 /// The rows that the verdict rests on, strongest first: flown, rendered, drawn, modelled; those that are there.
 std::vector<const QualityRow*> evidence_rows(const std::vector<QualityRow>& rows);
