@@ -1,6 +1,7 @@
 #include "pilotage/camera/terrain_heights.h"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "camera/smooth_ground.h"
@@ -182,6 +183,98 @@ TEST(TerrainHeights, AreThoseOfTheElevationModelAboveTheGroundBelow) {
   EXPECT_NEAR(terrain.height_m({0, -30}), -3, 0.02);
   const TerrainHeights outside = terrain_under(view, *utm.geodetic_from_map({400000, 4'999'500}), elevation);
   EXPECT_TRUE(std::isnan(outside.highest_m()));
+}
+
+/// The way down between which a ray first meets the ground, followed in all steps of half a spacing, and where it
+/// leads.
+struct PlainDescent {
+  Vector2d per_drop;
+  double high_m;
+  double low_m;
+};
+
+std::optional<PlainDescent> plain_descent(const View& view, const TerrainHeights& terrain,
+                                          const Eigen::Vector3d& ray_camera) {
+  const Eigen::Vector3d ray = view.enu_from_camera * ray_camera;
+  if (!(ray.z() < 0)) return std::nullopt;
+  const Vector2d per_drop = ray.head<2>() / -ray.z();
+  if (!(per_drop.norm() <= view.max_off_nadir_tan)) return std::nullopt;
+  const auto above_m = [&](double drop_m) { return view.agl_m - drop_m - terrain.height_m(drop_m * per_drop); };
+  const double first_m = std::max(0.0, view.agl_m - terrain.highest_m() - 1e-3);
+  const double last_m = view.agl_m - terrain.lowest_m() + 1e-3;
+  const double steps = std::max(1.0, std::ceil((last_m - first_m) * per_drop.norm() / (terrain.spacing_m() / 2)));
+  if (!(above_m(first_m) >= 0)) return std::nullopt;
+  double high_m = first_m;
+  for (double step = 1; step <= steps; ++step) {
+    const double low_m = first_m + (last_m - first_m) * step / steps;
+    const double over = above_m(low_m);
+    if (std::isnan(over)) return std::nullopt;
+    if (!(over > 0)) {
+      for (int part = 1; part < 100; ++part) {
+        if (std::isnan(above_m(high_m + (low_m - high_m) * part / 100))) return std::nullopt;
+      }
+      return PlainDescent{per_drop, high_m, low_m};
+    }
+    high_m = low_m;
+  }
+  return std::nullopt;
+}
+
+TEST(TerrainHeights, RaysAreFollowedTogetherAsOneByOneAndStepByStep) {
+  Random random(3);
+  const std::vector<Eigen::Vector3d> rays = corner_rays(kTerrainCamera);
+  for (const bool with_holes : {false, true}) {
+    std::vector<double> heights_m;
+    for (int i = 0; i < 128 * 128; ++i) {
+      const bool hole = with_holes && random.uniform() < 0.02;
+      heights_m.push_back(hole ? kNaN : 12 * random.normal() * (i % 7 == 0 ? 1 : 0.2));  // walls, and rough ground
+    }
+    const TerrainHeights terrain(Vector2d(-250, -250), 4, 128, heights_m);
+    EXPECT_EQ(std::isinf(terrain.steepest()), with_holes);
+    const View view = *make_view(kTerrainCamera, {70, 25, -6}, kOver_m);
+    std::vector<Vector2d> ground_m(rays.size());
+    terrain_from_rays(view, terrain, rays, ground_m);
+    int met = 0;
+    int lost = 0;
+    for (std::size_t i = 0; i < rays.size(); i += 13) {
+      Vector2d alone_m;
+      terrain_from_rays(view, terrain, {&rays[i], 1}, {&alone_m, 1});
+      const auto plain = plain_descent(view, terrain, rays[i]);
+      if (!plain && !std::isnan(ground_m[i].x())) {
+        EXPECT_FALSE(std::isnan(terrain.height_m(ground_m[i]))) << i << ": met before a hole between two steps";
+        continue;
+      }
+      ASSERT_EQ(std::isnan(ground_m[i].x()), !plain) << i;
+      ++(plain ? met : lost);
+      if (!plain) continue;
+      EXPECT_EQ(alone_m, ground_m[i]) << i;
+      const double drop_m = ground_m[i].dot(plain->per_drop) / plain->per_drop.squaredNorm();
+      EXPECT_GE(drop_m, plain->high_m - 1e-9) << i;
+      EXPECT_LE(drop_m, plain->low_m + 1e-9) << i;
+      EXPECT_NEAR(view.agl_m - drop_m, terrain.height_m(ground_m[i]), 1.001e-3) << i;
+    }
+    EXPECT_GT(met, 800);
+    EXPECT_EQ(lost > 0, with_holes);
+  }
+}
+
+TEST(TerrainHeights, ANodeThatIsNotKnownIsASlopeWithoutBound) {
+  for (std::size_t unknown = 0; unknown < 4; ++unknown) {
+    std::vector<double> heights_m = {0, 1, 2, 3};
+    EXPECT_NEAR(TerrainHeights({0, 0}, 2, 2, heights_m).steepest(), std::hypot(0.5, 1), 1e-12);
+    heights_m[unknown] = kNaN;
+    EXPECT_TRUE(std::isinf(TerrainHeights({0, 0}, 2, 2, heights_m).steepest())) << unknown;
+  }
+}
+
+TEST(TerrainHeights, ItsEdgesBelongToIt) {
+  std::vector<double> heights_m(64 * 64);
+  for (std::size_t i = 0; i < heights_m.size(); ++i) heights_m[i] = static_cast<double>(i % 64);
+  for (double spacing_m = 0.125; spacing_m < 8; spacing_m += 0.125) {  // products without rounding
+    const TerrainHeights terrain({0, 0}, spacing_m, 64, heights_m);
+    EXPECT_NEAR(terrain.height_m({63 * spacing_m, 63 * spacing_m}), 63, 1e-9) << spacing_m;
+    EXPECT_TRUE(std::isnan(terrain.height_m({63.001 * spacing_m, spacing_m})));
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "raster/raster_maker.h"
+#include "testing/cubic_convolution.h"
 #include "testing/read_all.h"
 #include "testing/temporary_folder.h"
 #include <cpl_conv.h>
@@ -64,18 +65,11 @@ TEST(GrayOnGrid, TheSameGridGivesTheSamePixels) {
   EXPECT_EQ(cv::norm(part.pixels, own.pixels(cv::Rect(5, 6, 7, 8)), cv::NORM_INF), 0);
 }
 
-/// Keys' kernel, a = -1/2.
-double keys_weight(double distance_px) {
-  const double d = std::abs(distance_px);
-  if (d < 1) return (1.5 * d - 2.5) * d * d + 1;
-  return d < 2 ? ((-0.5 * d + 2.5) * d - 4) * d + 2 : 0;
-}
-
 double keys_value(const cv::Mat& gray, double col, double row) {
   double sum = 0;
   for (int y = static_cast<int>(std::floor(row)) - 1; y < std::floor(row) + 3; ++y) {
     for (int x = static_cast<int>(std::floor(col)) - 1; x < std::floor(col) + 3; ++x) {
-      sum += keys_weight(row - y) * keys_weight(col - x) * gray.at<std::uint8_t>(y, x);
+      sum += testing::keys_weight(row - y) * testing::keys_weight(col - x) * gray.at<std::uint8_t>(y, x);
     }
   }
   return std::clamp(sum, 0.0, 255.0);

@@ -1,10 +1,10 @@
 #include "pilotage/camera/render_frame.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/LU>
@@ -14,6 +14,7 @@
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/projection.h"
+#include "pilotage/camera/sampled_ground.h"
 #include "pilotage/geo/bounds.h"
 #include "pilotage/geo/enu_from_grid.h"
 
@@ -22,9 +23,7 @@ namespace {
 
 constexpr double kJacobianStepPx = 256;
 constexpr double kLeastDrop_m = 1e-3;
-constexpr int kTaps = 4;                          // of cubic convolution
 constexpr double kMarginPx = 4;                   // taps, and the bulge of a bent edge between points of the outline
-constexpr double kMostSamples = 256;              // along each side of a pixel of the frame
 constexpr double kMaxWindowPx = double{1 << 28};  // a footprint larger than this is a mistake
 
 View checked_view(const Camera& camera, const Attitude& attitude, double agl_m) {
@@ -56,88 +55,6 @@ PixelWindow window_within(const Bounds& bounds, const GraySource& ground) {
   }
   return {static_cast<std::int64_t>(left), static_cast<std::int64_t>(top), static_cast<int>(width),
           static_cast<int>(height)};
-}
-
-using Weights = std::array<double, kTaps>;
-
-Weights cubic_weights(double t) {
-  const double t2 = t * t;
-  const double t3 = t2 * t;
-  return {-0.5 * t + t2 - 0.5 * t3, 1 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2 * t2 - 1.5 * t3, -0.5 * t2 + 0.5 * t3};
-}
-
-Weights linear_weights(double t) {
-  return {0, 1 - t, t, 0};
-}
-
-/// Ground to sample; `all_valid` spares a look at each pixel's mask.
-struct SampledGround {
-  explicit SampledGround(const Raster& ground)
-      : raster(ground), all_valid(static_cast<std::size_t>(cv::countNonZero(ground.valid)) == ground.valid.total()) {}
-
-  const Raster& raster;
-  bool all_valid;
-};
-
-/// The gray value at a position of `ground` (pixel centres at +0.5), from taps `kMargin` to kTaps − kMargin; nothing
-/// where it needs a pixel that is not valid.
-template <int kMargin>
-std::optional<double> sample(const SampledGround& ground, const Eigen::Vector2d& at) {
-  const cv::Mat& pixels = ground.raster.pixels;
-  const double x = at.x() - 0.5;
-  const double y = at.y() - 0.5;
-  if (!(x >= 1 && x < pixels.cols - 2 && y >= 1 && y < pixels.rows - 2)) return std::nullopt;
-  const int left = static_cast<int>(x);
-  const int top = static_cast<int>(y);
-  const Weights across = kMargin == 0 ? cubic_weights(x - left) : linear_weights(x - left);
-  const Weights down = kMargin == 0 ? cubic_weights(y - top) : linear_weights(y - top);
-  double sum = 0;
-  for (int j = kMargin; j < kTaps - kMargin; ++j) {
-    const auto* gray = pixels.ptr<std::uint8_t>(top - 1 + j) + left - 1;
-    if (!ground.all_valid) {
-      const auto* valid = ground.raster.valid.ptr<std::uint8_t>(top - 1 + j) + left - 1;
-      if (std::find(valid + kMargin, valid + kTaps - kMargin, 0) != valid + kTaps - kMargin) return std::nullopt;
-    }
-    double line = 0;
-    for (int i = kMargin; i < kTaps - kMargin; ++i) line += across[static_cast<std::size_t>(i)] * gray[i];
-    sum += down[static_cast<std::size_t>(j)] * line;
-  }
-  return sum;
-}
-
-/// Where the corners of one pixel of the frame lie on the ground.
-struct Quadrilateral {
-  Eigen::Vector2d top_left, top_right, bottom_left, bottom_right;
-
-  double longest_side() const {
-    return std::max({(top_right - top_left).norm(), (bottom_right - bottom_left).norm(),
-                     (bottom_left - top_left).norm(), (bottom_right - top_right).norm()});
-  }
-  /// `x` and `y` in [0, 1]. Within one pixel the projection is bilinear to far less than a sample's distance.
-  Eigen::Vector2d at(double x, double y) const {
-    return (1 - y) * ((1 - x) * top_left + x * top_right) + y * ((1 - x) * bottom_left + x * bottom_right);
-  }
-};
-
-/// The mean of count × count samples spread evenly over `area`.
-template <int kMargin>
-std::optional<double> mean_of_samples(const Quadrilateral& area, const SampledGround& ground, int count) {
-  double sum = 0;
-  for (int j = 0; j < count; ++j) {
-    for (int i = 0; i < count; ++i) {
-      const auto value = sample<kMargin>(ground, area.at((i + 0.5) / count, (j + 0.5) / count));
-      if (!value) return std::nullopt;
-      sum += *value;
-    }
-  }
-  return sum / (count * count);
-}
-
-std::optional<double> mean_over(const Quadrilateral& area, const SampledGround& ground) {
-  const double side = area.longest_side();
-  if (!std::isfinite(side)) return std::nullopt;  // a corner sees no ground
-  const int count = static_cast<int>(std::clamp(std::ceil(2 * side), 2.0, kMostSamples));
-  return side <= 1 ? mean_of_samples<0>(area, ground, count) : mean_of_samples<1>(area, ground, count);
 }
 
 /// The rays of a row of corners of a lens's pixels.
@@ -173,22 +90,24 @@ class CornerRays {
 };
 
 /// Where rays meet the ground, in its pixels; NaN where they do not.
-template <class GroundOf>
-std::vector<Eigen::Vector2d> corner_row(std::span<const Eigen::Vector3d> rays, const GroundPlace& place,
-                                        GroundOf ground_of) {
-  std::vector<Eigen::Vector2d> corners;
-  corners.reserve(rays.size());
-  for (const Eigen::Vector3d& ray : rays) {
-    const std::optional<Eigen::Vector2d> ground_m = ground_of(ray);
-    corners.push_back(ground_m ? place.pixel_from_ground(*ground_m) : Eigen::Vector2d(kNaN, kNaN));
+template <class MeetGround>
+void find_corners(std::span<const Eigen::Vector3d> rays, const GroundPlace& place, const MeetGround& meet_ground,
+                  std::vector<Eigen::Vector2d>& ground_m, CornerLine& corners) {
+  ground_m.resize(rays.size());
+  meet_ground(rays, ground_m);
+  corners.x_px.resize(rays.size());
+  corners.y_px.resize(rays.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Eigen::Vector2d at_px = place.pixel_from_ground(ground_m[i]);
+    corners.x_px[i] = at_px.x();
+    corners.y_px[i] = at_px.y();
   }
-  return corners;
 }
 
-/// `bounds` hold, in pixels of the ground, all that `ground_of` (ray → metres east and north) gives.
-template <class GroundOf>
+/// `bounds` hold, in pixels of the ground, all that `meet_ground` gives: rays → metres east and north, NaN without any.
+template <class MeetGround>
 RenderedFrame render_pixels(const GraySource& ground, const GroundPlace& place, const Camera& camera,
-                            const Bounds& bounds, CornerRays rays, GroundOf ground_of) {
+                            const Bounds& bounds, CornerRays rays, const MeetGround& meet_ground) {
   if (ground.depth != CV_8U) throw UsageError("the ground has not 8 bits; stretch_to_8bit makes it so");
   RenderedFrame frame;
   frame.gray = cv::Mat(camera.height_px, camera.width_px, CV_8UC1, cv::Scalar(0));
@@ -200,17 +119,22 @@ RenderedFrame render_pixels(const GraySource& ground, const GroundPlace& place, 
 
   GroundPlace in_window = place;
   in_window.nadir_px -= Eigen::Vector2d(static_cast<double>(window.col), static_cast<double>(window.row));
-  std::vector<Eigen::Vector2d> above = corner_row(rays.row(0), in_window, ground_of);
+  std::vector<Eigen::Vector2d> ground_m;
+  CornerLine above;
+  CornerLine below;
+  std::vector<double> means(static_cast<std::size_t>(camera.width_px));
+  find_corners(rays.row(0), in_window, meet_ground, ground_m, above);
   for (int row = 0; row < frame.gray.rows; ++row) {
-    std::vector<Eigen::Vector2d> below = corner_row(rays.row(row + 1), in_window, ground_of);
-    for (int col = 0; col < frame.gray.cols; ++col) {
-      const auto left = static_cast<std::size_t>(col);
-      const auto value = mean_over({above[left], above[left + 1], below[left], below[left + 1]}, sampled);
-      if (!value) continue;
-      frame.gray.at<std::uint8_t>(row, col) = cv::saturate_cast<std::uint8_t>(*value);
-      frame.valid.at<std::uint8_t>(row, col) = 255;
+    find_corners(rays.row(row + 1), in_window, meet_ground, ground_m, below);
+    sampled.means_between(above, below, means);
+    auto* gray = frame.gray.ptr<std::uint8_t>(row);
+    auto* valid = frame.valid.ptr<std::uint8_t>(row);
+    for (std::size_t col = 0; col < means.size(); ++col) {
+      if (std::isnan(means[col])) continue;
+      gray[col] = cv::saturate_cast<std::uint8_t>(means[col]);
+      valid[col] = 255;
     }
-    above.swap(below);
+    std::swap(above, below);
   }
   frame.valid_fraction = static_cast<double>(cv::countNonZero(frame.valid)) / static_cast<double>(frame.valid.total());
   return frame;
@@ -256,7 +180,11 @@ RenderedFrame render_frame(const GraySource& ground, const GroundPlace& place, c
                            const Attitude& attitude, double agl_m, const std::vector<Eigen::Vector3d>* rays) {
   const View view = checked_view(camera, attitude, agl_m);
   return render_pixels(ground, place, camera, outline_bounds(footprint(view), place).grown(kMarginPx), {view, rays},
-                       [&](const Eigen::Vector3d& ray) { return ground_from_ray(view, ray); });
+                       [&](std::span<const Eigen::Vector3d> row, std::span<Eigen::Vector2d> ground_m) {
+                         for (std::size_t i = 0; i < row.size(); ++i) {
+                           ground_m[i] = ground_from_ray(view, row[i]).value_or(Eigen::Vector2d(kNaN, kNaN));
+                         }
+                       });
 }
 
 RenderedFrame render_terrain_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
@@ -272,7 +200,9 @@ RenderedFrame render_terrain_frame(const GraySource& ground, const GroundPlace& 
     for (const auto& point : footprint(flat).polygon_m) bounds.extend(place.pixel_from_ground(point));
   }
   return render_pixels(ground, place, camera, bounds.grown(kMarginPx), {view, rays},
-                       [&](const Eigen::Vector3d& ray) { return terrain_from_ray(view, terrain, ray); });
+                       [&](std::span<const Eigen::Vector3d> row, std::span<Eigen::Vector2d> ground_m) {
+                         terrain_from_rays(view, terrain, row, ground_m);
+                       });
 }
 
 bool footprint_inside(const GraySource& ground, const GroundPlace& place, const Camera& camera,

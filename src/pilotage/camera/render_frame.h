@@ -52,12 +52,10 @@ struct RenderedFrame {
 std::vector<Eigen::Vector3d> corner_rays(const Camera& camera);
 
 /// What a camera sees of flat ground with the gray values of `ground`: the inverse of ortho_rectify, by the same
-/// projection (camera/projection.h). Each pixel of the frame is the mean over the quadrilateral that it covers, from
-/// samples at most half a ground pixel apart, at least 2 × 2 and at most 256 × 256; a sample is interpolated, where the
-/// frame is at least as fine as the ground by cubic convolution (R. Keys, IEEE Trans. ASSP 29, 1981, a = −1/2), else
-/// linearly. Only the window of `ground` under the footprint is read. Throws UsageError when no View can be made of
-/// camera, attitude and `agl_m`, when `ground` is not CV_8U (stretch_to_8bit makes it so), or when the footprint holds
-/// more than 2^28 of its pixels; DataError as ground.read.
+/// projection (camera/projection.h). Each pixel of the frame is the mean over the quadrilateral that it covers
+/// (camera/sampled_ground.h). Only the window of `ground` under the footprint is read. Throws UsageError when no View
+/// can be made of camera, attitude and `agl_m`, when `ground` is not CV_8U (stretch_to_8bit makes it so), or when the
+/// footprint holds more than 2^28 of its pixels; DataError as ground.read.
 RenderedFrame render_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
                            const Attitude& attitude, double agl_m, const std::vector<Eigen::Vector3d>* rays = nullptr);
 

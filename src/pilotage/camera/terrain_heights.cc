@@ -7,14 +7,16 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/wide_clones.h"
 #include "pilotage/geo/bounds.h"
 #include "pilotage/geo/local_frame.h"
 
 namespace pilotage {
 namespace {
 
-constexpr int kMostNodes = 128;          // a side
-constexpr int kMostGrids = 6;            // each for ground lower than the one before
+constexpr int kMostNodes = 128;  // a side
+constexpr int kMostGrids = 6;    // each for ground lower than the one before
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHeightError_m = 1e-3;  // of a crossing
 constexpr int kMostRefinements = 60;
 
@@ -35,6 +37,197 @@ TerrainHeights sample_grid(const Bounds& bounds, double spacing_m,
   return {south_west, spacing, columns, std::move(heights)};
 }
 
+constexpr std::size_t kRays = TerrainHeights::kTogether;
+using OfRays = TerrainHeights::Together;
+
+/// Columns and rows of eight points on a grid of heights, and, once the node before each is known, what is left.
+struct GridPlaces {
+  OfRays column;
+  OfRays row;
+};
+
+struct NodeHeights {
+  OfRays south_west;
+  OfRays south_east;
+  OfRays north_west;
+  OfRays north_east;
+};
+
+PILOTAGE_WIDE_CLONES
+void place_in_grid(const OfRays& east_m, const OfRays& north_m, const Eigen::Vector2d& south_west_m, double spacing_m,
+                   GridPlaces& places) {
+  const double west = south_west_m.x();
+  const double south = south_west_m.y();
+  GridPlaces found;
+  for (std::size_t i = 0; i < kRays; ++i) {
+    found.column[i] = (east_m[i] - west) / spacing_m;
+    found.row[i] = (north_m[i] - south) / spacing_m;
+  }
+  places = found;
+}
+
+PILOTAGE_WIDE_CLONES
+void interpolate(const GridPlaces& places, const NodeHeights& nodes, OfRays& heights_m) {
+  OfRays found;
+  for (std::size_t i = 0; i < kRays; ++i) {
+    const double x = places.column[i];
+    const double y = places.row[i];
+    found[i] = (1 - y) * ((1 - x) * nodes.south_west[i] + x * nodes.south_east[i]) +
+               y * ((1 - x) * nodes.north_west[i] + x * nodes.north_east[i]);
+  }
+  heights_m = found;
+}
+
+/// Follows eight rays at a time down to the ground.
+class Descent {
+ public:
+  Descent(const View& view, const TerrainHeights& terrain)
+      : view_(view),
+        terrain_(terrain),
+        first_m_(std::max(0.0, view.agl_m - terrain.highest_m() - kHeightError_m)),
+        last_m_(view.agl_m - terrain.lowest_m() + kHeightError_m) {}
+
+  /// `ground_m` is NaN, and stays so where a ray meets nothing.
+  void follow(std::span<const Eigen::Vector3d> rays_camera, std::span<Eigen::Vector2d> ground_m) {
+    take_aim(rays_camera);
+    find_crossings();
+    refine();
+    for (std::size_t i = 0; i < rays_camera.size(); ++i) {
+      if (state_[i] == State::kMet) ground_m[i] = {met_m_[i] * east_per_drop_[i], met_m_[i] * north_per_drop_[i]};
+    }
+  }
+
+ private:
+  enum class State { kLost, kAbove, kCrossing, kMet };
+
+  bool any(State state) const { return std::find(state_.begin(), state_.end(), state) != state_.end(); }
+
+  void take_aim(std::span<const Eigen::Vector3d> rays_camera) {
+    state_.fill(State::kLost);
+    east_per_drop_.fill(0);
+    north_per_drop_.fill(0);
+    steps_.fill(1);
+    for (std::size_t i = 0; i < rays_camera.size(); ++i) {
+      const Eigen::Vector3d ray = view_.enu_from_camera * rays_camera[i];
+      if (!(ray.z() < 0)) continue;
+      const Eigen::Vector2d per_drop = ray.head<2>() / -ray.z();
+      const double tangent = per_drop.norm();
+      if (!(tangent <= view_.max_off_nadir_tan)) continue;
+      state_[i] = State::kAbove;
+      east_per_drop_[i] = per_drop.x();
+      north_per_drop_[i] = per_drop.y();
+      tangent_[i] = tangent;
+      steps_[i] = std::max(1.0, std::ceil((last_m_ - first_m_) * tangent / (terrain_.spacing_m() / 2)));
+    }
+  }
+
+  /// How far the rays are above the ground where they have come down by `drop_m`.
+  void measure_above(const OfRays& drop_m, OfRays& above_m) const {
+    OfRays east_m;
+    OfRays north_m;
+    for (std::size_t i = 0; i < kRays; ++i) {
+      east_m[i] = drop_m[i] * east_per_drop_[i];
+      north_m[i] = drop_m[i] * north_per_drop_[i];
+    }
+    OfRays height_m;
+    terrain_.heights_m(east_m, north_m, height_m);
+    for (std::size_t i = 0; i < kRays; ++i) above_m[i] = view_.agl_m - drop_m[i] - height_m[i];
+  }
+
+  double drop_at(std::size_t ray, double step) const { return first_m_ + (last_m_ - first_m_) * step / steps_[ray]; }
+
+  /// How many more steps of a ray lie above the ground for certain: no slope is steeper than terrain_.steepest().
+  double surely_above(std::size_t ray, double over_m) const {
+    const double step_m = (last_m_ - first_m_) / steps_[ray];
+    const double least_m = over_m / (1 + terrain_.steepest() * tangent_[ray]);
+    return std::max(0.0, std::floor((least_m - kHeightError_m) / step_m));
+  }
+
+  /// Brackets the first crossing of each ray: above the ground at high_m_, not so at low_m_, a step apart.
+  void find_crossings() {
+    high_m_.fill(first_m_);
+    measure_above(high_m_, over_high_);
+    OfRays step;
+    for (std::size_t i = 0; i < kRays; ++i) {
+      if (!(over_high_[i] >= 0)) state_[i] = State::kLost;
+      step[i] = state_[i] == State::kAbove ? 1 + surely_above(i, over_high_[i]) : 1;
+    }
+    while (any(State::kAbove)) {
+      OfRays drop_m;
+      for (std::size_t i = 0; i < kRays; ++i) drop_m[i] = drop_at(i, std::min(step[i], steps_[i]));
+      OfRays over;
+      measure_above(drop_m, over);
+      for (std::size_t i = 0; i < kRays; ++i) {
+        if (state_[i] != State::kAbove) continue;
+        if (step[i] > steps_[i] || std::isnan(over[i])) {
+          state_[i] = State::kLost;
+        } else if (over[i] > 0) {
+          step[i] += 1 + surely_above(i, over[i]);
+        } else {
+          high_m_[i] = drop_at(i, step[i] - 1);
+          low_m_[i] = drop_m[i];
+          over_low_[i] = over[i];
+          state_[i] = State::kCrossing;
+        }
+      }
+    }
+    measure_above(high_m_, over_high_);
+  }
+
+  /// Regula falsi (Illinois): halving the value of the end that stays keeps it from crawling.
+  void refine() {
+    std::array<int, kRays> kept = {};
+    for (int round = 0; round < kMostRefinements && any(State::kCrossing); ++round) {
+      OfRays middle_m = {};
+      for (std::size_t i = 0; i < kRays; ++i) {
+        if (state_[i] != State::kCrossing) continue;
+        middle_m[i] = over_high_[i] > over_low_[i]
+                          ? low_m_[i] + (high_m_[i] - low_m_[i]) * over_low_[i] / (over_low_[i] - over_high_[i])
+                          : low_m_[i];
+      }
+      OfRays over;
+      measure_above(middle_m, over);
+      for (std::size_t i = 0; i < kRays; ++i) {
+        if (state_[i] != State::kCrossing) continue;
+        if (std::isnan(over[i])) {
+          state_[i] = State::kLost;  // a hole between the two ends
+          continue;
+        }
+        if (std::abs(over[i]) <= kHeightError_m) {
+          met_m_[i] = middle_m[i];
+          state_[i] = State::kMet;
+          continue;
+        }
+        (over[i] > 0 ? high_m_ : low_m_)[i] = middle_m[i];
+        (over[i] > 0 ? over_high_ : over_low_)[i] = over[i];
+        const int side = over[i] > 0 ? 1 : -1;
+        if (side == kept[i]) (over[i] > 0 ? over_low_ : over_high_)[i] /= 2;
+        kept[i] = side;
+      }
+    }
+    for (std::size_t i = 0; i < kRays; ++i) {
+      if (state_[i] != State::kCrossing) continue;
+      met_m_[i] = low_m_[i];
+      state_[i] = State::kMet;
+    }
+  }
+
+  const View& view_;
+  const TerrainHeights& terrain_;
+  double first_m_;  // how far down rays have come above all ground, and below all
+  double last_m_;
+  std::array<State, kRays> state_ = {};
+  OfRays east_per_drop_ = {};
+  OfRays north_per_drop_ = {};
+  OfRays tangent_ = {};  // of their angle to the vertical
+  OfRays steps_ = {};    // from first_m_ to last_m_
+  OfRays high_m_ = {};
+  OfRays over_high_ = {};
+  OfRays low_m_ = {};
+  OfRays over_low_ = {};
+  OfRays met_m_ = {};
+};
+
 }  // namespace
 
 TerrainHeights::TerrainHeights(const Eigen::Vector2d& south_west_m, double spacing_m, int columns,
@@ -45,7 +238,8 @@ TerrainHeights::TerrainHeights(const Eigen::Vector2d& south_west_m, double spaci
       rows_(columns > 0 ? static_cast<int>(heights_m.size() / static_cast<std::size_t>(columns)) : 0),
       heights_m_(std::move(heights_m)),
       lowest_m_(kNaN),
-      highest_m_(kNaN) {
+      highest_m_(kNaN),
+      steepest_(0) {
   if (!(spacing_m > 0) || columns_ < 2 || rows_ < 2) {
     throw UsageError("heights of the ground: " + std::to_string(columns_) + " x " + std::to_string(rows_) + " nodes " +
                      format_number(spacing_m) + " m apart; at least 2 x 2, more than 0 m apart, are needed");
@@ -55,18 +249,48 @@ TerrainHeights::TerrainHeights(const Eigen::Vector2d& south_west_m, double spaci
     lowest_m_ = std::isnan(lowest_m_) ? height : std::min(lowest_m_, height);
     highest_m_ = std::isnan(highest_m_) ? height : std::max(highest_m_, height);
   }
+  for (int row = 0; row + 1 < rows_; ++row) {
+    for (int column = 0; column + 1 < columns_; ++column) {
+      const double* const south = heights_m_.data() + static_cast<std::ptrdiff_t>(row) * columns_ + column;
+      const double* const north = south + columns_;
+      const double across = std::max(std::abs(south[1] - south[0]), std::abs(north[1] - north[0]));
+      const double along = std::max(std::abs(north[0] - south[0]), std::abs(north[1] - south[1]));
+      const bool known = !std::isnan(south[0] + south[1] + north[0] + north[1]);
+      steepest_ = std::max(steepest_, known ? std::hypot(across, along) / spacing_m_ : kInfinity);
+    }
+  }
 }
 
 double TerrainHeights::height_m(const Eigen::Vector2d& ground_m) const {
-  const Eigen::Vector2d at = (ground_m - south_west_m_) / spacing_m_;
-  if (!(at.x() >= 0 && at.y() >= 0 && at.x() <= columns_ - 1 && at.y() <= rows_ - 1)) return kNaN;
-  const int column = std::min(static_cast<int>(at.x()), columns_ - 2);
-  const int row = std::min(static_cast<int>(at.y()), rows_ - 2);
-  const double x = at.x() - column;
-  const double y = at.y() - row;
-  const double* const south = heights_m_.data() + static_cast<std::ptrdiff_t>(row) * columns_ + column;
-  const double* const north = south + columns_;
-  return (1 - y) * ((1 - x) * south[0] + x * south[1]) + y * ((1 - x) * north[0] + x * north[1]);
+  Together east_m;
+  Together north_m;
+  Together found_m;
+  east_m.fill(ground_m.x());
+  north_m.fill(ground_m.y());
+  heights_m(east_m, north_m, found_m);
+  return found_m[0];
+}
+
+void TerrainHeights::heights_m(const Together& east_m, const Together& north_m, Together& found_m) const {
+  GridPlaces places;
+  place_in_grid(east_m, north_m, south_west_m_, spacing_m_, places);
+  NodeHeights nodes;
+  for (std::size_t i = 0; i < kTogether; ++i) {
+    const double x = places.column[i];
+    const double y = places.row[i];
+    const bool inside = x >= 0 && y >= 0 && x <= columns_ - 1 && y <= rows_ - 1;
+    const int column = inside ? std::min(static_cast<int>(x), columns_ - 2) : 0;
+    const int row = inside ? std::min(static_cast<int>(y), rows_ - 2) : 0;
+    places.column[i] = inside ? x - column : kNaN;
+    places.row[i] = y - row;
+    const double* const south = heights_m_.data() + static_cast<std::ptrdiff_t>(row) * columns_ + column;
+    const double* const north = south + columns_;
+    nodes.south_west[i] = south[0];
+    nodes.south_east[i] = south[1];
+    nodes.north_west[i] = north[0];
+    nodes.north_east[i] = north[1];
+  }
+  interpolate(places, nodes, found_m);
 }
 
 TerrainHeights sample_terrain(const View& view, double spacing_m,
@@ -95,48 +319,21 @@ TerrainHeights terrain_under(const View& view, GeodeticPoint nadir, const Elevat
 std::optional<Eigen::Vector2d> terrain_from_pixel(const View& view, const TerrainHeights& terrain,
                                                   const Eigen::Vector2d& pixel) {
   const auto ray_camera = ray_from_pixel(view.lens, pixel);
-  return ray_camera ? terrain_from_ray(view, terrain, *ray_camera) : std::nullopt;
+  if (!ray_camera) return std::nullopt;
+  Eigen::Vector2d ground_m;
+  terrain_from_rays(view, terrain, {&*ray_camera, 1}, {&ground_m, 1});
+  return std::isnan(ground_m.x()) ? std::nullopt : std::optional(ground_m);
 }
 
-std::optional<Eigen::Vector2d> terrain_from_ray(const View& view, const TerrainHeights& terrain,
-                                                const Eigen::Vector3d& ray_camera) {
-  if (std::isnan(terrain.lowest_m())) return std::nullopt;
-  const Eigen::Vector3d ray = view.enu_from_camera * ray_camera;
-  if (!(ray.z() < 0)) return std::nullopt;
-  const Eigen::Vector2d per_drop = ray.head<2>() / -ray.z();
-  if (!(per_drop.norm() <= view.max_off_nadir_tan)) return std::nullopt;
-
-  const auto above_m = [&](double drop_m) { return view.agl_m - drop_m - terrain.height_m(drop_m * per_drop); };
-  const double first_m = std::max(0.0, view.agl_m - terrain.highest_m() - kHeightError_m);
-  const double last_m = view.agl_m - terrain.lowest_m() + kHeightError_m;
-  const double steps = std::max(1.0, std::ceil((last_m - first_m) * per_drop.norm() / (terrain.spacing_m() / 2)));
-  double high_m = first_m;
-  double over_high = above_m(high_m);
-  if (!(over_high >= 0)) return std::nullopt;
-  for (double step = 1; step <= steps; ++step) {
-    double low_m = first_m + (last_m - first_m) * step / steps;
-    double over_low = above_m(low_m);
-    if (std::isnan(over_low)) return std::nullopt;
-    if (over_low > 0) {
-      high_m = low_m;
-      over_high = over_low;
-      continue;
-    }
-    // Regula falsi (Illinois): halving the value of the end that stays keeps it from crawling.
-    for (int i = 0, kept = 0; i < kMostRefinements; ++i) {
-      const double middle_m =
-          over_high > over_low ? low_m + (high_m - low_m) * over_low / (over_low - over_high) : low_m;
-      const double over = above_m(middle_m);
-      if (std::abs(over) <= kHeightError_m) return middle_m * per_drop;
-      (over > 0 ? high_m : low_m) = middle_m;
-      (over > 0 ? over_high : over_low) = over;
-      const int side = over > 0 ? 1 : -1;
-      if (side == kept) (over > 0 ? over_low : over_high) /= 2;
-      kept = side;
-    }
-    return low_m * per_drop;
+void terrain_from_rays(const View& view, const TerrainHeights& terrain, std::span<const Eigen::Vector3d> rays_camera,
+                       std::span<Eigen::Vector2d> ground_m) {
+  std::fill(ground_m.begin(), ground_m.end(), Eigen::Vector2d(kNaN, kNaN));
+  if (std::isnan(terrain.lowest_m())) return;
+  Descent descent(view, terrain);
+  for (std::size_t first = 0; first < rays_camera.size(); first += kRays) {
+    const std::size_t count = std::min(kRays, rays_camera.size() - first);
+    descent.follow(rays_camera.subspan(first, count), ground_m.subspan(first, count));
   }
-  return std::nullopt;
 }
 
 }  // namespace pilotage

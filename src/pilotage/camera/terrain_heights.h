@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,9 +26,16 @@ class TerrainHeights {
   /// NaN outside the grid and where one of the four nodes is not known.
   double height_m(const Eigen::Vector2d& ground_m) const;
 
+  static constexpr std::size_t kTogether = 8;
+  using Together = std::array<double, kTogether>;
+  /// The heights at eight points, each as height_m gives it.
+  void heights_m(const Together& east_m, const Together& north_m, Together& found_m) const;
+
   double spacing_m() const { return spacing_m_; }
   double lowest_m() const { return lowest_m_; }  ///< Of the nodes; NaN when none is known.
   double highest_m() const { return highest_m_; }
+  /// No slope of the ground between the nodes is larger, metres up per metre; infinite where a node is not known.
+  double steepest() const { return steepest_; }
 
  private:
   Eigen::Vector2d south_west_m_;
@@ -35,6 +45,7 @@ class TerrainHeights {
   std::vector<double> heights_m_;
   double lowest_m_;
   double highest_m_;
+  double steepest_;
 };
 
 /// Samples heights (metres above the ground below the camera, as a function of east and north) wherever rays of the
@@ -48,13 +59,16 @@ TerrainHeights sample_terrain(const View& view, double spacing_m,
 TerrainHeights terrain_under(const View& view, GeodeticPoint nadir, const Elevation& elevation);
 
 /// Where the ray of `pixel` first meets ground that is not flat: east and north from the point straight below, as
-/// ground_from_pixel. The ray is followed in steps of half a spacing over the heights that the grid has, and the
-/// crossing is then found to 1 mm of height above the bilinear ground; a ridge that a ray cuts over less than half a
-/// spacing may be passed over. Nothing also where the ray leaves the grid or comes over heights that are not known.
+/// ground_from_pixel. The ray is followed in steps of half a spacing over the heights that the grid has (those that are
+/// above the steepest slope for certain are left out), and the crossing is then found to 1 mm of height above the
+/// bilinear ground; a ridge that a ray cuts over less than half a spacing may be passed over. Nothing also where the
+/// ray leaves the grid or comes over heights that are not known.
 std::optional<Eigen::Vector2d> terrain_from_pixel(const View& view, const TerrainHeights& terrain,
                                                   const Eigen::Vector2d& pixel);
-/// The same of a ray, in the camera's frame.
-std::optional<Eigen::Vector2d> terrain_from_ray(const View& view, const TerrainHeights& terrain,
-                                                const Eigen::Vector3d& ray_camera);
+
+/// The same of many rays, in the camera's frame: they are followed eight at a time, to the same places as one alone.
+/// NaN where a ray meets nothing. The spans are of one size.
+void terrain_from_rays(const View& view, const TerrainHeights& terrain, std::span<const Eigen::Vector3d> rays_camera,
+                       std::span<Eigen::Vector2d> ground_m);
 
 }  // namespace pilotage
