@@ -83,5 +83,5 @@ foreach(file IN LISTS files)
   endforeach()
 endforeach()
 finish("base <- geo <- raster <- {camera, vision, correlation, degradation} <- {airsim, route, ins, mapdb <- match <- navigate, registration, ground} <- \
-{mission, matchability} <- verdict <- stages; a stage never includes another stage, except prepare and survey (the stages they are made of), reroute (prepare and its stages), gis (report), report and flightlog (match), \
+{mission, matchability} <- stages; a stage never includes another stage, except verdict (by report, gis, prepare, survey, reroute, capture), prepare and survey (the stages they are made of), reroute (prepare and its stages), gis (report), report and flightlog (match), \
 evaluate (build_map, match and flightlog) and simulate (airsim, navigate, flightlog, and select, whose P it flies against)")

@@ -75,5 +75,17 @@ TEST(ReplayNote, SaysWhatFlightsSayOfThePlan) {
   EXPECT_THROW(read_replay_note(note_file("[]")), DataError);
 }
 
+TEST(ReplayNote, OfAnotherPlanIsRefused) {
+  ReplayNote note;
+  Selection selection;
+  refuse_other_replay(note, selection);
+  selection.probability.emplace().p_within_limit = 0.97;
+  refuse_other_replay(note, selection);
+  note.planned_p = 0.97;
+  refuse_other_replay(note, selection);
+  note.planned_p = 0.95;
+  EXPECT_THROW(refuse_other_replay(note, selection), DataError);
+}
+
 }  // namespace
 }  // namespace pilotage

@@ -150,14 +150,22 @@ TEST(FlownRow, MoreFalseFixesThanReckonedWithAreMarginal) {
   EXPECT_THAT(row.value, HasSubstr("false 0.100 [0.027, 0.236] of tries without a right fix, 0.001 reckoned with"));
 }
 
-TEST(FlownRow, AReplayOfAnotherPlanIsRefused) {
-  ReplayNote note = replayed(160, 0, 0);
-  const Selection selection = planned().selection;
-  refuse_other_replay(note, selection);
-  note.planned_p = 0.97;
-  refuse_other_replay(note, selection);
-  note.planned_p = 0.95;
-  EXPECT_THROW(refuse_other_replay(note, selection), DataError);
+TEST(JudgedPlan, TakesWhatIsKnownOfItAndNothingOfAPage) {
+  const Mission mission;
+  const std::vector<TileScores> scores;
+  Selection selection;
+  selection.probability.emplace().p_within_limit = 0.97;
+  selection.probability->min_p_within_limit = 0.9;
+  const auto names = [](const std::vector<QualityRow>& rows) {
+    std::vector<std::string> kinds;
+    for (const QualityRow* row : evidence_rows(rows)) kinds.push_back(row->name);
+    return kinds;
+  };
+  EXPECT_THAT(names(quality_rows({mission, scores, selection})), ElementsAre("route_probability"));
+  const std::vector<Simulation> simulations = {simulated(95, 100), simulated(19, 20, "later.tif")};
+  const FlownAgainstPlan flown{.tries = 10, .fixes = 9, .predicted = 0.9};
+  EXPECT_THAT(names(quality_rows({mission, scores, selection, simulations, &flown})),
+              ElementsAre("flown_flights", "rendered_flights", "simulated_flights", "route_probability"));
 }
 
 }  // namespace

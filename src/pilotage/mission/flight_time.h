@@ -6,11 +6,11 @@
 
 namespace pilotage {
 
-/// Planned time from a sample to the next. The speed of either is that of the leg: a leg has samples at both of its
-/// ends, so none spans two.
+/// Planned time from a sample to the next: length over the speed of the first. A leg has samples at both of its ends
+/// (sample_route), so no step spans two speeds. NaN where that speed or a distance is not known.
 double step_time_s(const FlightSample& from, const FlightSample& to);
 
-/// Planned time from the first sample to the last; NaN where a speed is not known.
+/// The sum of all steps; 0 of fewer than two samples.
 double flight_time_s(const std::vector<FlightSample>& samples);
 
 }  // namespace pilotage

@@ -64,8 +64,8 @@ struct PrepareRun {
 struct PrepareResult {
   std::string verdict;      ///< The report's first sentence.
   std::string assumptions;  ///< What it takes for granted, as the report says it.
-  std::string evidence;     ///< What it rests on (report/evidence.h), in one line.
-  std::string holds;        ///< How long the map holds (report/map_ageing.h), a sentence; "" where nothing is known.
+  std::string evidence;     ///< What it rests on (verdict/evidence.h), in one line.
+  std::string holds;        ///< How long the map holds (verdict/map_holds.h), a sentence; "" where nothing is known.
   BuildStats map;
   std::optional<MapDifference> difference;  ///< From PrepareRun::update; nothing where no tile can be the same.
   std::int64_t planned_tiles = 0;

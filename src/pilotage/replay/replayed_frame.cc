@@ -94,7 +94,8 @@ std::vector<ReplayedFrame> replayed_frames(std::span<const FrameMatch> matches, 
     frame.map_count = std::max<std::size_t>(1, match.result.map_statuses.size());
     frame.outcome = outcome_of(frame, match.has_fix(), correct_within_m);
     if (match.has_fix()) frame.inertial_error = inertial_error_of(*match.result.fix, match.frame, row.prior);
-    const auto fix = match.has_fix() ? std::optional(match.result.fix->position) : std::nullopt;
+    std::optional<GeodeticPoint> fix;
+    if (match.has_fix()) fix = match.result.fix->position;
     set_place(frame, row.truth(), fix);
     set_navigated(frame, row.true_nadir, fix.value_or(match.frame.prior),
                   fix ? match.result.fix->covariance_en_m2 : match.frame.prior_covariance_en_m2);

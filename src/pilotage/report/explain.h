@@ -24,8 +24,8 @@ std::vector<std::string> explain_leg(const Report& report, const std::vector<Leg
 /// then each measure that it has. Throws UsageError where there is no such tile.
 std::vector<std::string> explain_tile(const Report& report, std::int64_t tile_id);
 
-/// What the verdict rests on, strongest first (report/evidence.h), and each row that decides and is not good, with what
-/// to do.
+/// What the verdict rests on, strongest first (verdict/evidence.h), and each row that decides and is not good, with
+/// what to do.
 std::vector<std::string> explain_verdict(const Report& report);
 
 /// explain_verdict, explain_leg or explain_tile of "verdict", "leg 3" or "tile 1204". Throws UsageError for anything

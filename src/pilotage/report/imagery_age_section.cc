@@ -26,7 +26,7 @@ std::string imagery_age_html(const std::optional<ImageryAge>& age) {
     rows += "<tr>" + heading_html(clock_text(at.time)) +
             cell_html("Sun's height", number_text(at.sun.elevation_deg, 0) + "°") +
             cell_html("Azimuth", number_text(at.sun.azimuth_deg, 0) + "°") +
-            cell_html("Shadows of 10 m end off by", shift_is_known(at) ? error_text(at.shadow_shift_m) : "–") +
+            cell_html("Shadows of 10 m end off by", at.shift_is_known() ? error_text(at.shadow_shift_m) : "–") +
             "</tr>\n";
   }
   return html + "  <details><summary>Sun and shadows by the hour</summary>\n" +

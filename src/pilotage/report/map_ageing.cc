@@ -11,7 +11,6 @@
 #include "pilotage/base/text.h"
 #include "pilotage/base/variant_json.h"
 #include "pilotage/base/wording.h"
-#include "pilotage/ground/imagery_months.h"
 #include "pilotage/matchability/level_at_age.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/report.h"

@@ -20,7 +20,6 @@
 #include "pilotage/report/strip_chart.h"
 #include "pilotage/report/tile_fields.h"
 #include "pilotage/verdict/evidence.h"
-#include "pilotage/verdict/tile_class.h"
 
 namespace pilotage {
 namespace {

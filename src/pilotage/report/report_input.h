@@ -20,6 +20,7 @@
 #include "pilotage/report/flight_notes.h"
 #include "pilotage/report/seen_frames.h"
 #include "pilotage/report/tile_pictures.h"
+#include "pilotage/verdict/quality.h"
 
 namespace pilotage {
 struct MapLandmarks;

@@ -1,6 +1,5 @@
 #include "pilotage/report/simulated_flights.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -10,7 +9,6 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
-#include "pilotage/base/utf8.h"
 #include "pilotage/base/wording.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/mission/simulation_file.h"

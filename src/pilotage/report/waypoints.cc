@@ -6,6 +6,7 @@
 
 #include "pilotage/base/utf8.h"
 #include "pilotage/base/wording.h"
+#include "pilotage/mission/flight_time.h"
 #include "pilotage/report/page_parts.h"
 
 namespace pilotage {
@@ -40,10 +41,7 @@ std::vector<Waypoint> waypoints(const Flight& flight) {
   for (std::size_t i = 0; i < flight.samples.size(); ++i) {
     const FlightSample& sample = flight.samples[i];
     const bool first = i == 0 || flight.samples[i - 1].leg != sample.leg;
-    if (i > 0) {
-      const double way_m = sample.distance_m - flight.samples[i - 1].distance_m;
-      if (way_m > 0) time_s += way_m / sample.speed_mps;
-    }
+    if (i > 0) time_s += step_time_s(flight.samples[i - 1], sample);
     const bool last = i + 1 == flight.samples.size() || flight.samples[i + 1].leg != sample.leg;
     const RouteLeg& leg = route.legs.at(static_cast<std::size_t>(sample.leg));
     if (first) reached.try_emplace(leg.from, Reached{&sample, time_s});

@@ -19,13 +19,13 @@ struct JudgedLine {
   Selection selection;
   QualityStatus status = QualityStatus::kBad;
   std::string text;      ///< The verdict in one line, as `prepare` prints it.
-  std::string headline;  ///< Its parts (report/verdict.h).
+  std::string headline;  ///< Its parts (verdict/verdict.h).
   std::string detail;
   std::string second_date;  ///< What was taken for granted of it (score/score_second_epoch.h); "" without one.
 };
 
 /// Fills status, text and its parts from the rest, and from drawn flights where there are any, by the rows and the
-/// words of the report (report/quality.h, report/verdict.h).
+/// words of every verdict (verdict/quality.h, verdict/verdict.h).
 void judge(JudgedLine& line, const std::optional<Simulation>& simulation = std::nullopt);
 
 /// Is a a better line than b, whatever they cost? By verdict, then P, then largest error.

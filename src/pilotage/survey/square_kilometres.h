@@ -10,7 +10,7 @@
 
 namespace pilotage {
 
-/// Numbers of tiles by class (report/tile_class.h).
+/// Numbers of tiles by class (verdict/tile_class.h).
 struct ClassCounts {
   std::int64_t go = 0;
   std::int64_t marginal = 0;

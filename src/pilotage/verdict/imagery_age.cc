@@ -145,7 +145,7 @@ QualityRow sun_row(const FlightSun& flight) {
   row.number = flight.sun.elevation_deg;
   row.unit = "deg";
   row.value = sun_text(flight.sun);
-  if (shift_is_known(flight)) {
+  if (flight.shift_is_known()) {
     row.value += "; shadows of 10 m end " + error_text(flight.shadow_shift_m) + " from those of the imagery";
   }
   row.threshold = "good from 15° up (a rule of thumb, not measured), marginal below, bad when it has set";
@@ -175,10 +175,6 @@ QualityRow hidden_row(const GroundHidden& hidden) {
 
 std::string clock_text(UtcTime time) {
   return format_utc_time(time).substr(11, 5);
-}
-
-bool shift_is_known(const FlightSun& at) {
-  return std::isfinite(at.shadow_shift_m);
 }
 
 std::optional<ImageryAge> imagery_age(const Mission& mission) {
@@ -243,7 +239,7 @@ std::vector<std::string> imagery_age_sentences(const ImageryAge& age) {
   if (age.flight) {
     std::string text = "Half-way through the flight, at " + clock_text(age.flight->time) + " UTC, it stands " +
                        sun_text(age.flight->sun);
-    if (shift_is_known(*age.flight)) {
+    if (age.flight->shift_is_known()) {
       text += ": the shadow of what is 10 m high then ends " + error_text(age.flight->shadow_shift_m) +
               " from where the imagery has it";
     }
@@ -251,7 +247,7 @@ std::vector<std::string> imagery_age_sentences(const ImageryAge& age) {
   }
   if (age.hours.empty()) {
     sentences.emplace_back("On that day the sun does not rise to 5° at any full hour.");
-  } else if (shift_is_known(age.hours.front())) {
+  } else if (age.hours.front().shift_is_known()) {
     const auto [least, most] =
         std::minmax_element(age.hours.begin(), age.hours.end(),
                             [](const FlightSun& a, const FlightSun& b) { return a.shadow_shift_m < b.shadow_shift_m; });

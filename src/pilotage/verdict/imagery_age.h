@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -34,6 +35,8 @@ struct FlightSun {
   /// How far the tip of the shadow of an object 10 m high lies from where the imagery shows it, over flat ground; the
   /// largest over the rasters whose sun stands at least kLowSun_deg high. NaN without one, and when this sun is lower.
   double shadow_shift_m = std::numeric_limits<double>::quiet_NaN();
+
+  bool shift_is_known() const { return std::isfinite(shadow_shift_m); }
 };
 
 struct ImageryAge {
@@ -47,9 +50,6 @@ struct ImageryAge {
 
 /// "14:05", UTC.
 std::string clock_text(UtcTime time);
-
-/// Whether both suns stand high enough to cast shadows that can be told.
-bool shift_is_known(const FlightSun& at);
 
 /// Nothing without a time of the flight. Throws DataError when that is none, or the flight has no sample.
 std::optional<ImageryAge> imagery_age(const Mission& mission);

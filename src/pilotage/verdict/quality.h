@@ -121,7 +121,8 @@ struct JudgedPlan {
   const FlownAgainstPlan* flown = nullptr;       ///< What `replay` found of flights by it; may be null.
 };
 
-/// The rows that decide first. Throws DataError when the mission's time of the flight is none.
+/// The quality table. Throws DataError when the time of the flight is neither a day nor a moment in UTC, the flight has
+/// a time and no sample, or the selection counts the age of imagery whose dates the ground does not all know.
 std::vector<QualityRow> quality_rows(const JudgedPlan& plan);
 
 }  // namespace pilotage
