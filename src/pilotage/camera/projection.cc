@@ -83,7 +83,7 @@ struct WideView {
   }
 };
 
-using Together = std::array<double, kPointsTogether>;
+static_assert(kPointsTogether == kTogether);
 
 /// Where the points appear, and how far they are from not being seen: not at all where `ahead` is not above 0 or
 /// `within` below it.

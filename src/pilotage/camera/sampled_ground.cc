@@ -14,12 +14,9 @@
 namespace pilotage {
 namespace {
 
-constexpr std::size_t kTogether = 8;
 constexpr int kCubicTaps = 4;
 constexpr int kLinearTaps = 2;
 constexpr double kMostSamples = 256;  // along each side of a pixel of the frame
-
-using Together = std::array<double, kTogether>;
 
 /// Corners of eight pixels: each pointer leads to nine numbers.
 struct Corners {
@@ -29,8 +26,9 @@ struct Corners {
   const double* below_y_px;
 };
 
+/// The squares of the longest sides of eight pixels.
 PILOTAGE_WIDE_CLONES
-void measure_sides(const Corners& corners, Together& longest_px) {
+void measure_sides(const Corners& corners, Together& longest2_px) {
   const Corners at = corners;
   Together longest;
   for (std::size_t i = 0; i < kTogether; ++i) {
@@ -46,7 +44,7 @@ void measure_sides(const Corners& corners, Together& longest_px) {
     const double steep = std::max(left_x * left_x + left_y * left_y, right_x * right_x + right_y * right_y);
     longest[i] = std::max(flat, steep);
   }
-  longest_px = longest;
+  longest2_px = longest;
 }
 
 /// Positions of a sample in eight pixels, as rows and columns count: pixel centres at 0.
@@ -207,11 +205,6 @@ void add_samples(const cv::Mat& pixels, const cv::Mat& valid, const Places& plac
   }
 }
 
-/// The samples along each side of a pixel whose longest one is `side_px`.
-int samples_along(double side_px) {
-  return static_cast<int>(std::clamp(std::ceil(2 * side_px), 2.0, kMostSamples));
-}
-
 /// The means over eight pixels, whose longest sides ask for as many samples.
 template <int kTaps>
 Together means_of(const cv::Mat& pixels, const cv::Mat& valid, const Corners& corners, int count) {
@@ -241,7 +234,7 @@ struct Sampling {
 
 Sampling sampling_of(double longest_px) {
   if (!std::isfinite(longest_px)) return {};  // a corner sees no ground
-  return {longest_px <= 1, samples_along(longest_px)};
+  return {longest_px <= 1, static_cast<int>(std::clamp(std::ceil(2 * longest_px), 2.0, kMostSamples))};
 }
 
 }  // namespace
@@ -254,10 +247,9 @@ SampledGround::SampledGround(const Raster& ground) {
 
 void SampledGround::means_between(const CornerLine& above, const CornerLine& below, std::vector<double>& means) const {
   const std::size_t count = means.size();
-  std::size_t first = 0;
   // The corners of the last pixels, which are fewer than eight; what stands behind them is not looked at.
   std::array<std::array<double, kTogether + 1>, 4> last = {};
-  for (; first < count; first += kTogether) {
+  for (std::size_t first = 0; first < count; first += kTogether) {
     Corners corners{&above.x_px[first], &above.y_px[first], &below.x_px[first], &below.y_px[first]};
     const std::size_t here = std::min(kTogether, count - first);
     if (here < kTogether) {

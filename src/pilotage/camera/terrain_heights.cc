@@ -7,7 +7,6 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
-#include "pilotage/base/wide_clones.h"
 #include "pilotage/geo/bounds.h"
 #include "pilotage/geo/local_frame.h"
 
@@ -37,29 +36,26 @@ TerrainHeights sample_grid(const Bounds& bounds, double spacing_m,
   return {south_west, spacing, columns, std::move(heights)};
 }
 
-constexpr std::size_t kRays = TerrainHeights::kTogether;
-using OfRays = TerrainHeights::Together;
-
 /// Columns and rows of eight points on a grid of heights, and, once the node before each is known, what is left.
 struct GridPlaces {
-  OfRays column;
-  OfRays row;
+  Together column;
+  Together row;
 };
 
 struct NodeHeights {
-  OfRays south_west;
-  OfRays south_east;
-  OfRays north_west;
-  OfRays north_east;
+  Together south_west;
+  Together south_east;
+  Together north_west;
+  Together north_east;
 };
 
 PILOTAGE_WIDE_CLONES
-void place_in_grid(const OfRays& east_m, const OfRays& north_m, const Eigen::Vector2d& south_west_m, double spacing_m,
-                   GridPlaces& places) {
+void place_in_grid(const Together& east_m, const Together& north_m, const Eigen::Vector2d& south_west_m,
+                   double spacing_m, GridPlaces& places) {
   const double west = south_west_m.x();
   const double south = south_west_m.y();
   GridPlaces found;
-  for (std::size_t i = 0; i < kRays; ++i) {
+  for (std::size_t i = 0; i < kTogether; ++i) {
     found.column[i] = (east_m[i] - west) / spacing_m;
     found.row[i] = (north_m[i] - south) / spacing_m;
   }
@@ -67,9 +63,9 @@ void place_in_grid(const OfRays& east_m, const OfRays& north_m, const Eigen::Vec
 }
 
 PILOTAGE_WIDE_CLONES
-void interpolate(const GridPlaces& places, const NodeHeights& nodes, OfRays& heights_m) {
-  OfRays found;
-  for (std::size_t i = 0; i < kRays; ++i) {
+void interpolate(const GridPlaces& places, const NodeHeights& nodes, Together& heights_m) {
+  Together found;
+  for (std::size_t i = 0; i < kTogether; ++i) {
     const double x = places.column[i];
     const double y = places.row[i];
     found[i] = (1 - y) * ((1 - x) * nodes.south_west[i] + x * nodes.south_east[i]) +
@@ -122,16 +118,16 @@ class Descent {
   }
 
   /// How far the rays are above the ground where they have come down by `drop_m`.
-  void measure_above(const OfRays& drop_m, OfRays& above_m) const {
-    OfRays east_m;
-    OfRays north_m;
-    for (std::size_t i = 0; i < kRays; ++i) {
+  void measure_above(const Together& drop_m, Together& above_m) const {
+    Together east_m;
+    Together north_m;
+    for (std::size_t i = 0; i < kTogether; ++i) {
       east_m[i] = drop_m[i] * east_per_drop_[i];
       north_m[i] = drop_m[i] * north_per_drop_[i];
     }
-    OfRays height_m;
+    Together height_m;
     terrain_.heights_m(east_m, north_m, height_m);
-    for (std::size_t i = 0; i < kRays; ++i) above_m[i] = view_.agl_m - drop_m[i] - height_m[i];
+    for (std::size_t i = 0; i < kTogether; ++i) above_m[i] = view_.agl_m - drop_m[i] - height_m[i];
   }
 
   double drop_at(std::size_t ray, double step) const { return first_m_ + (last_m_ - first_m_) * step / steps_[ray]; }
@@ -147,17 +143,17 @@ class Descent {
   void find_crossings() {
     high_m_.fill(first_m_);
     measure_above(high_m_, over_high_);
-    OfRays step;
-    for (std::size_t i = 0; i < kRays; ++i) {
+    Together step;
+    for (std::size_t i = 0; i < kTogether; ++i) {
       if (!(over_high_[i] >= 0)) state_[i] = State::kLost;
       step[i] = state_[i] == State::kAbove ? 1 + surely_above(i, over_high_[i]) : 1;
     }
     while (any(State::kAbove)) {
-      OfRays drop_m;
-      for (std::size_t i = 0; i < kRays; ++i) drop_m[i] = drop_at(i, std::min(step[i], steps_[i]));
-      OfRays over;
+      Together drop_m;
+      for (std::size_t i = 0; i < kTogether; ++i) drop_m[i] = drop_at(i, std::min(step[i], steps_[i]));
+      Together over;
       measure_above(drop_m, over);
-      for (std::size_t i = 0; i < kRays; ++i) {
+      for (std::size_t i = 0; i < kTogether; ++i) {
         if (state_[i] != State::kAbove) continue;
         if (step[i] > steps_[i] || std::isnan(over[i])) {
           state_[i] = State::kLost;
@@ -176,18 +172,18 @@ class Descent {
 
   /// Regula falsi (Illinois): halving the value of the end that stays keeps it from crawling.
   void refine() {
-    std::array<int, kRays> kept = {};
+    std::array<int, kTogether> kept = {};
     for (int round = 0; round < kMostRefinements && any(State::kCrossing); ++round) {
-      OfRays middle_m = {};
-      for (std::size_t i = 0; i < kRays; ++i) {
+      Together middle_m = {};
+      for (std::size_t i = 0; i < kTogether; ++i) {
         if (state_[i] != State::kCrossing) continue;
         middle_m[i] = over_high_[i] > over_low_[i]
                           ? low_m_[i] + (high_m_[i] - low_m_[i]) * over_low_[i] / (over_low_[i] - over_high_[i])
                           : low_m_[i];
       }
-      OfRays over;
+      Together over;
       measure_above(middle_m, over);
-      for (std::size_t i = 0; i < kRays; ++i) {
+      for (std::size_t i = 0; i < kTogether; ++i) {
         if (state_[i] != State::kCrossing) continue;
         if (std::isnan(over[i])) {
           state_[i] = State::kLost;  // a hole between the two ends
@@ -205,7 +201,7 @@ class Descent {
         kept[i] = side;
       }
     }
-    for (std::size_t i = 0; i < kRays; ++i) {
+    for (std::size_t i = 0; i < kTogether; ++i) {
       if (state_[i] != State::kCrossing) continue;
       met_m_[i] = low_m_[i];
       state_[i] = State::kMet;
@@ -216,16 +212,16 @@ class Descent {
   const TerrainHeights& terrain_;
   double first_m_;  // how far down rays have come above all ground, and below all
   double last_m_;
-  std::array<State, kRays> state_ = {};
-  OfRays east_per_drop_ = {};
-  OfRays north_per_drop_ = {};
-  OfRays tangent_ = {};  // of their angle to the vertical
-  OfRays steps_ = {};    // from first_m_ to last_m_
-  OfRays high_m_ = {};
-  OfRays over_high_ = {};
-  OfRays low_m_ = {};
-  OfRays over_low_ = {};
-  OfRays met_m_ = {};
+  std::array<State, kTogether> state_ = {};
+  Together east_per_drop_ = {};
+  Together north_per_drop_ = {};
+  Together tangent_ = {};  // of their angle to the vertical
+  Together steps_ = {};    // from first_m_ to last_m_
+  Together high_m_ = {};
+  Together over_high_ = {};
+  Together low_m_ = {};
+  Together over_low_ = {};
+  Together met_m_ = {};
 };
 
 }  // namespace
@@ -330,8 +326,8 @@ void terrain_from_rays(const View& view, const TerrainHeights& terrain, std::spa
   std::fill(ground_m.begin(), ground_m.end(), Eigen::Vector2d(kNaN, kNaN));
   if (std::isnan(terrain.lowest_m())) return;
   Descent descent(view, terrain);
-  for (std::size_t first = 0; first < rays_camera.size(); first += kRays) {
-    const std::size_t count = std::min(kRays, rays_camera.size() - first);
+  for (std::size_t first = 0; first < rays_camera.size(); first += kTogether) {
+    const std::size_t count = std::min(kTogether, rays_camera.size() - first);
     descent.follow(rays_camera.subspan(first, count), ground_m.subspan(first, count));
   }
 }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <functional>
 #include <optional>
 #include <span>
@@ -9,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "pilotage/base/wide_clones.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/raster/elevation.h"
@@ -26,8 +25,6 @@ class TerrainHeights {
   /// NaN outside the grid and where one of the four nodes is not known.
   double height_m(const Eigen::Vector2d& ground_m) const;
 
-  static constexpr std::size_t kTogether = 8;
-  using Together = std::array<double, kTogether>;
   /// The heights at eight points, each as height_m gives it.
   void heights_m(const Together& east_m, const Together& north_m, Together& found_m) const;
 

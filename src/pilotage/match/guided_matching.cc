@@ -26,9 +26,6 @@ double parabola_offset(double before, double middle, double after) {
   return curvature <= 0 ? 0 : std::clamp((before - after) / (2 * curvature), -0.5, 0.5);
 }
 
-/// Features whose places are worked out together, by wide instructions where the machine has them.
-constexpr std::size_t kTogether = 8;
-
 /// Where the features of a map lie, in groups of kTogether; the last one is filled up.
 struct MapPlaces {
   std::vector<double> x_px;
@@ -45,8 +42,6 @@ struct MapPlaces {
     }
   }
 };
-
-using Together = std::array<double, kTogether>;
 
 /// Where features are expected in the frame.
 struct ExpectedPlaces {

@@ -24,7 +24,7 @@ const std::array<double, 2 * kVoteBlurReach + 1> kVoteGaussian = gaussian();
 
 namespace {
 
-using Together = std::array<double, kVotesTogether>;
+static_assert(kVotesTogether == kTogether);
 
 /// Where pairs vote, in bins: those of the square, and the least and the most of the two numbers that tell whether it
 /// is in the square.

@@ -242,9 +242,10 @@ Report make_report(const ReportInput& input) {
   check_pictures(input);
   const Mission& mission = input.mission;
   const Selection& selection = input.selection;
+  const JudgedPlan plan = judged_plan(input);
   Report report;
   report.tiles = report_tiles(input);
-  report.quality = quality_rows(judged_plan(input));
+  report.quality = quality_rows(plan);
   report.verdict = verdict_of(report.quality);
   report.headline = valid_utf8(headline(report.quality, selection));
   report.verdict_detail = valid_utf8(verdict_detail(report.verdict, report.quality, selection));
@@ -301,8 +302,7 @@ Report make_report(const ReportInput& input) {
   }
   report.parameters = valid_utf8_json(input.parameters);
   report.warnings = valid_texts(mission.warnings);
-  if (const std::string warning = disagreement_warning(judged_plan(input)); !warning.empty())
-    report.warnings.push_back(warning);
+  if (const std::string warning = disagreement_warning(plan); !warning.empty()) report.warnings.push_back(warning);
   if (const auto& autopilot = mission.flight.autopilot) {
     for (std::string& warning : autopilot_warnings(input, report, *autopilot)) {
       report.warnings.push_back(std::move(warning));
